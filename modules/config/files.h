@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+namespace rtusim::config {
+
+/// The bytes of a file; a `.gz` is unzipped on the way (told by its first bytes, not its name).
+/// `most_bytes` bounds what is read after unzipping, so that nothing exhausts memory.
+/// Errors: input_error when it is missing, a folder, unreadable, a broken gzip, or larger than `most_bytes`.
+std::string read_file(const std::filesystem::path& file, std::uint64_t most_bytes = std::uint64_t{1} << 31);
+
+/// A file being written: beside its place at first (`NAME.part-PID`), renamed into it by `commit`, removed if that never comes.
+/// Buffers generously; never leaves a file half-written.
+/// Errors: input_error when the folder is missing, can't be written, or the disk is full.
+class output_file {
+ public:
+  explicit output_file(std::filesystem::path file);
+  ~output_file();
+  output_file(const output_file&) = delete;
+  output_file& operator=(const output_file&) = delete;
+
+  void write(std::string_view bytes);
+  /// Flushes, closes and renames. Nothing may be written afterwards.
+  void commit();
+  /// The temporary path, for libraries that write by themselves (OpenImageIO, SystemC's tracer); it ends like the final name.
+  const std::filesystem::path& temporary() const { return temporary_; }
+  /// For such libraries: closes our handle so that they can open `temporary()`.
+  void release();
+
+ private:
+  void fail(const char* doing) const;
+  std::filesystem::path file_;
+  std::filesystem::path temporary_;
+  std::FILE* handle_ = nullptr;
+  bool committed_ = false;
+};
+
+}  // namespace rtusim::config
