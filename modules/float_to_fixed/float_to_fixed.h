@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cstdint>
+
+#include "modules/numeric/float_to_fixed.h"
+#include "modules/timing/pipeline_unit.h"
+
+namespace rtusim {
+
+/// The float-to-fixed converter alone (Espe 2019, app. C.2.1): binary32 words in, fixed-point words out.
+///
+/// Timing: 5 stages that move together (see `pipeline_unit`), one word a clock. The job manager has six of them behind its parameter
+/// register, so it does their work as part of its own pipeline.
+class float_to_fixed : public pipeline_unit<std::uint32_t, std::int64_t, numeric::float_to_fixed_stages> {
+ public:
+  struct params {
+    numeric::fixed_format format;
+    numeric::float_to_fixed_errata conversion;
+  };
+
+  float_to_fixed(const sc_core::sc_module_name& name, const params& p) : pipeline_unit(name), params_(p) {}
+
+  const numeric::float_to_fixed_stats& statistics() const { return stats_; }
+
+ private:
+  std::int64_t process(const std::uint32_t& float_bits) override {
+    return numeric::float_to_fixed(float_bits, params_.format, params_.conversion, stats_);
+  }
+
+  params params_;
+  numeric::float_to_fixed_stats stats_;
+};
+
+}  // namespace rtusim

@@ -1,0 +1,40 @@
+#pragma once
+
+#include "modules/config/report.h"
+#include "modules/formats/packets.h"
+#include "modules/numeric/float_to_fixed.h"
+#include "modules/timing/pipeline_unit.h"
+
+namespace rtusim {
+
+/// Takes the host's jobs, converts their traversal parameters to fixed point, and offers them to the scheduler (Espe 2019, sec.
+/// 6.2.1 and app. C.2).
+///
+/// Timing: one parameter register and the converter's stages, which move together (see `pipeline_unit`): a job accepted at edge e
+/// is offered from edge e + 6 on.
+class job_manager : public pipeline_unit<job_packet, traversal_job, 1 + numeric::float_to_fixed_stages> {
+ public:
+  struct params {
+    numeric::fixed_format format;             ///< of the section `fixed_point`
+    numeric::float_to_fixed_errata conversion;  ///< of the section `float_to_fixed`
+  };
+  struct stats {
+    std::uint64_t jobs = 0;
+    numeric::float_to_fixed_stats conversion;
+
+    void describe(config::report& r) const;
+  };
+
+  job_manager(const sc_core::sc_module_name& name, const params& p);
+
+  const stats& statistics() const { return stats_; }
+
+ private:
+  traversal_job process(const job_packet& packet) override;
+  void trace(waveform& w) const override;
+
+  params params_;
+  stats stats_;
+};
+
+}  // namespace rtusim

@@ -1,0 +1,17 @@
+#include "modules/memory/memory.h"
+
+#include <algorithm>
+
+namespace rtusim {
+
+memory::memory(const sc_core::sc_module_name& name, const params& p, const std::vector<std::uint32_t>& image)
+    : sc_module(name),
+      words_{image.data(), static_cast<std::uint32_t>(std::min<std::uint64_t>(image.size(), std::uint64_t{1} << p.address_bits)),
+             static_cast<std::uint32_t>((std::uint64_t{1} << p.address_bits) - 1)} {}
+
+void memory::params::describe(config::section& s) {
+  s.choice("kind", which, kind_words(), "lut: distributed RAM with a port for each core, no waiting");
+  s.number("address_bits", address_bits, {1, 30}, "bits", "width of a word address; addresses count modulo 2^address_bits");
+}
+
+}  // namespace rtusim

@@ -1,0 +1,39 @@
+#include "modules/rtu/design.h"
+
+namespace rtusim {
+
+void rtu_params::describe(config::section& s) {
+  s.choice("core", core, core_words(), "kind of the traversal cores");
+  s.number("cores", cores, {1, 1024}, "cores", "traversal cores");
+  s.real("clock_mhz", clock_mhz, {0.001, 1e6}, "MHz", "clock of all units");
+}
+
+void driver_params::describe(config::section& s) {
+  s.erratum("last_sign_only", last_sign_only, "only the last negative direction component sets its bit of a", "each one does");
+}
+
+void design::describe(config::schema& s) {
+  s.add("rtu", rtu);
+  s.entry_form("rtu.core", {{"kind", "rtu.core"}, {"count", "rtu.cores"}});
+  s.add("driver", driver);
+  s.add("fixed_point", fixed_point);
+  s.add("float_to_fixed", float_to_fixed);
+  s.add("scheduler", scheduler_);
+  s.add("svo_core", svo_core);
+  s.add("result_manager", result_manager_);
+  s.add("memory", memory_);
+}
+
+const std::set<std::string>& design::sections() {
+  static const std::set<std::string> names{"rtu",      "driver",         "fixed_point", "float_to_fixed", "scheduler",
+                                           "svo_core", "result_manager", "memory",      "errata"};
+  return names;
+}
+
+svo_core_params design::svo_core_params_with_format() const {
+  svo_core_params p = svo_core;
+  p.format = fixed_point;
+  return p;
+}
+
+}  // namespace rtusim

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <cstdint>
+
+#include "modules/config/schema.h"
+#include "modules/job_manager/job_manager.h"
+#include "modules/memory/memory.h"
+#include "modules/numeric/fixed_point.h"
+#include "modules/numeric/float_to_fixed.h"
+#include "modules/result_manager/result_manager.h"
+#include "modules/scheduler/scheduler.h"
+#include "modules/svo_core/svo_params.h"
+
+namespace rtusim {
+
+/// Which units an RTU consists of.
+struct rtu_params {
+  enum class core_kind : std::uint8_t { svo };
+  static config::word_list core_words() { return {"svo"}; }
+
+  core_kind core = core_kind::svo;
+  unsigned cores = 16;
+  double clock_mhz = 100;
+
+  void describe(config::section& s);
+};
+
+/// What the host's driver does as it sends rays (Espe 2019, app. F).
+struct driver_params {
+  bool last_sign_only = false;
+
+  void describe(config::section& s);
+};
+
+/// A design: the parameters of every unit, as an architecture file gives them. The defaults are the RTU of Espe 2019 with its errata
+/// put right.
+struct design {
+  rtu_params rtu;
+  driver_params driver;
+  numeric::fixed_format fixed_point;
+  numeric::float_to_fixed_errata float_to_fixed;
+  scheduler::params scheduler_;
+  svo_core_params svo_core;
+  result_manager::params result_manager_;
+  memory::params memory_;
+
+  /// Adds all sections; the design must then stay where it is.
+  void describe(config::schema& s);
+  /// The names of these sections: what an architecture file may hold.
+  static const std::set<std::string>& sections();
+
+  job_manager::params job_manager_params() const { return {fixed_point, float_to_fixed}; }
+  svo_core_params svo_core_params_with_format() const;
+};
+
+}  // namespace rtusim

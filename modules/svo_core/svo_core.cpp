@@ -1,0 +1,161 @@
+#include "modules/svo_core/svo_core.h"
+
+#include "modules/config/error.h"
+#include "modules/timing/clock_domain.h"
+#include "modules/timing/waveform.h"
+
+namespace rtusim {
+
+svo_core::svo_core(const sc_core::sc_module_name& name, const params& p, unsigned index)
+    : unit(name), params_(p), walk_(p), machine_(p, {}) {
+  result_.core = static_cast<std::uint16_t>(index);
+}
+
+void svo_core::connect() {
+  memory_ = memory_port->words();
+  machine_ = svo_machine(params_, memory_);
+}
+
+void svo_core::reset() {
+  result_out->drive(result_);
+  result_out->offer_valid(offer::none());
+  job_in->offer_ready(offer::always_from(0));
+}
+
+void svo_core::accept(const traversal_job& job) {
+  job_ = job;
+  outcome_before_ = outcome_;
+  bus_before_ = bus_;
+  outcome_ = walk_(job, memory_);
+  if (outcome_.overflow)
+    throw simulation_error(fmt::format("{}: the stack of {} frames overflows on job {} (word {:#x}), accepted in cycle {}: "
+                                       "set svo_core.stack_depth to the model's depth",
+                                       name(), params_.stack_depth, job.sequence, job.job_word, now()));
+  bus_.take(outcome_, job.direction_bits(), params_);
+  result_.job_word = job.job_word;
+  result_.cost = outcome_.cost;
+  result_.t_hit = bus_.t_hit;
+  result_.hit = outcome_.hit;
+  result_.normal_axis = bus_.axis;
+  result_.normal_sign = bus_.sign;
+  result_.sequence = job.sequence;
+  accepted_ = now();
+  released_ = never;
+}
+
+void svo_core::edge() {
+  if (job_in->fired()) {
+    accept(job_in->data());
+    job_in->offer_ready(offer::none());
+    result_out->offer_valid(offer::always_from(now() + outcome_.cost + 1));
+  } else if (result_out->fired()) {
+    ++jobs_;
+    hits_ += outcome_.hit;
+    cost_ += outcome_.cost;
+    visits_ += visits_of(outcome_);
+    released_ = now();
+    result_out->offer_valid(offer::none());
+    job_in->offer_ready(offer::always_from(now() + 1));
+  }
+}
+
+void svo_core::settle_registers() {
+  // next_edge() still counts the edge being done when the domain settles behind it.
+  const cycle target = domain().next_edge();
+  if (accepted_ == never) {
+    machine_edge_ = target;
+  } else {
+    if (machine_edge_ <= accepted_) {
+      // Either the machine stands where the last job left it, or it never stepped through that job.
+      machine_.inherit(outcome_before_.child, outcome_before_.depth, bus_before_);
+      machine_.accept(job_);
+      machine_edge_ = accepted_ + 1;
+    }
+    const cycle last_step = accepted_ + 1 + outcome_.cost;
+    for (; machine_edge_ < target && machine_edge_ < last_step; ++machine_edge_) machine_.step();
+    if (released_ < target && machine_edge_ <= released_) {
+      machine_.release();
+      machine_edge_ = released_ + 1;
+    }
+    if (machine_edge_ < target) machine_.step();  // in IDLE it clears the cost; in OUT nothing moves
+    machine_edge_ = target;
+  }
+  shown_data_ = machine_.memory_data();
+}
+
+bool svo_core::level(const channel_base& port) const {
+  const svo_state state = machine_.now().state;
+  if (&port == job_in.operator->()) return state == svo_state::idle;
+  if (state != svo_state::out) return false;
+  const auto& m = machine_.now();
+  RTU_CHECK(m.cost, ==, result_.cost);
+  RTU_CHECK(m.hit, ==, result_.hit);
+  RTU_CHECK(m.result.t_hit, ==, result_.t_hit);
+  RTU_CHECK(static_cast<int>(m.result.axis), ==, static_cast<int>(result_.normal_axis));
+  RTU_CHECK(static_cast<int>(m.result.sign), ==, static_cast<int>(result_.normal_sign));
+  return true;
+}
+
+svo_core::stats svo_core::statistics() {
+  stats s;
+  s.jobs = jobs_;
+  s.hits = hits_;
+  s.cost = cost_;
+  s.visits = visits_;
+  if (accepted_ != never && released_ == never) {
+    settle_registers();
+    s.visits += machine_.visits();
+  }
+  const channel_stats in = job_in->stats();
+  const channel_stats out = result_out->stats();
+  s.idle_cycles = in.transferred + in.starved;
+  s.out_cycles = out.transferred + out.held_back;
+  return s;
+}
+
+void svo_core::trace(waveform& w) const {
+  const std::string n = name();
+  const auto& r = machine_.now();
+  w.add(r.state, n + ".state", 3);
+  w.add(r.cost, n + ".cost");
+  w.add(r.top.entry, n + ".entry_idx");
+  w.add(r.address, n + ".mem_addr");
+  w.add(shown_data_, n + ".mem_data");
+  w.add(r.top.child, n + ".cur_child_idx", 3);
+  w.add(r.stack_size, n + ".stack_idx");
+  for (unsigned i = 0; i < 3; ++i) {
+    const char axis = "xyz"[i];
+    w.add(r.top.t0[i], n + ".t0" + axis);
+    w.add(r.top.tm[i], n + ".tm" + axis);
+    w.add(r.top.t1[i], n + ".t1" + axis);
+  }
+  w.add(jobs_, n + ".jobs");
+  w.add(hits_, n + ".hits");
+}
+
+svo_core::stats& svo_core::stats::operator+=(const stats& other) {
+  jobs += other.jobs;
+  hits += other.hits;
+  cost += other.cost;
+  idle_cycles += other.idle_cycles;
+  out_cycles += other.out_cycles;
+  visits += other.visits;
+  return *this;
+}
+
+void svo_core::stats::describe(config::report& r) const {
+  r.number("jobs", jobs, "jobs", "rays traversed");
+  r.number("hits", hits, "jobs", "rays that hit a voxel");
+  r.number("cost", cost, "cycles", "clocks of all traversals: INIT, EVAL, NEXT, PUSH and POP");
+  r.group("cycles", [this](config::report& g) {
+    g.number("idle", idle_cycles, "cycles", "in IDLE: no job");
+    g.number("init", visits.init, "cycles", "in INIT: the first child of a cube");
+    g.number("eval", visits.eval, "cycles", "in EVAL: is the child filled, empty or divided");
+    g.number("next", visits.next, "cycles", "in NEXT: the child that the ray enters next");
+    g.number("push", visits.push, "cycles", "in PUSH: down into a child");
+    g.number("pop", visits.pop, "cycles", "in POP: up again");
+    g.number("out", out_cycles, "cycles", "in OUT: a result waits to be taken");
+  });
+}
+
+}  // namespace rtusim

@@ -1,0 +1,78 @@
+#pragma once
+
+#include "modules/config/report.h"
+#include "modules/formats/packets.h"
+#include "modules/memory/memory.h"
+#include "modules/svo_core/svo_machine.h"
+#include "modules/svo_core/svo_params.h"
+#include "modules/svo_core/svo_walk.h"
+#include "modules/timing/channel.h"
+#include "modules/timing/unit.h"
+
+namespace rtusim {
+
+/// A traversal core for sparse voxel octrees: one ray after the other (Espe 2019, sec. 4.1, 6.2.3, 7.2.4).
+///
+/// Timing: one clock a state. Ready in IDLE; a job accepted at edge e is in OUT, its result valid, from edge e + cost + 1 on until
+/// it is taken, and the core is IDLE again from the edge behind that on.
+///
+/// The memory answers at once and nothing can disturb a traversal, so the core looks ahead: it walks the whole ray at the accepting
+/// edge and steps its state machine only where somebody watches the registers.
+class svo_core : public unit {
+ public:
+  using params = svo_core_params;
+  struct stats {
+    std::uint64_t jobs = 0;
+    std::uint64_t hits = 0;
+    std::uint64_t cost = 0;
+    std::uint64_t idle_cycles = 0;
+    std::uint64_t out_cycles = 0;
+    svo_visits visits;
+
+    stats& operator+=(const stats& other);
+    void describe(config::report& r) const;
+  };
+
+  rv_in<traversal_job> job_in{"job_in"};
+  rv_out<traversal_result> result_out{"result_out"};
+  sc_core::sc_port<memory_interface> memory_port{"memory_port"};
+
+  /// `index`: which core of the RTU it is, for its results.
+  svo_core(const sc_core::sc_module_name& name, const params& p, unsigned index);
+
+  /// Figures of all cycles before the next edge.
+  stats statistics();
+
+ private:
+  void connect() override;
+  void reset() override;
+  void edge() override;
+  void idle(cycle) override {}
+  void settle_registers() override;
+  bool level(const channel_base& port) const override;
+  void trace(waveform& w) const override;
+  void accept(const traversal_job& job);
+
+  params params_;
+  svo_walk walk_;
+  word_view memory_;
+  traversal_result result_;
+  svo_result_registers bus_;  // what the result bus keeps
+  svo_outcome outcome_;
+  cycle accepted_ = never;    // the last job's
+  cycle released_ = never;    // its result's, once it is taken
+  std::uint64_t jobs_ = 0;
+  std::uint64_t hits_ = 0;
+  std::uint64_t cost_ = 0;
+  svo_visits visits_;         // of the jobs whose result was taken
+
+  // The state machine follows the outcome when somebody watches.
+  svo_machine machine_;
+  traversal_job job_;
+  svo_outcome outcome_before_;
+  svo_result_registers bus_before_;
+  cycle machine_edge_ = 0;    // the machine's registers stand just before this edge
+  std::uint32_t shown_data_ = 0;
+};
+
+}  // namespace rtusim

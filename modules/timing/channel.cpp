@@ -1,0 +1,116 @@
+#include "modules/timing/channel.h"
+
+#include "modules/config/error.h"
+#include "modules/timing/clock_domain.h"
+#include "modules/timing/junction.h"
+
+namespace rtusim {
+
+channel_base::channel_base(const char* name) : sc_object(name), booking(what::channel), domain_(&clock_domain::current()) {
+  domain_->add(*this);
+}
+
+void channel_base::register_port(sc_core::sc_port_base& port, const char*) {
+  auto* const owner = dynamic_cast<unit*>(port.get_parent_object());
+  auto* const end = dynamic_cast<rv_port*>(&port);
+  if (owner == nullptr || end == nullptr) return;
+  unit*& place = end->drives() == side::valid ? producer_ : consumer_;
+  if (place != nullptr)
+    throw simulation_error(fmt::format("channel {} is bound to two ports of the same side, of {} and {}", name(), place->name(), owner->name()));
+  place = owner;
+}
+
+void channel_base::offer_valid(offer o) {
+  settle_valid();
+  valid_ = o;
+  domain_->mark_dirty(*this);
+}
+
+void channel_base::offer_ready(offer o) {
+  settle_ready();
+  ready_ = o;
+  if (upstream_ == nullptr) {
+    domain_->mark_dirty(*this);
+    return;
+  }
+  RTU_CHECK(o.when == nullptr, ==, true);
+  RTU_CHECK(o.from == never || o.from <= domain_->next_edge(), ==, true);
+  upstream_->output_ready(output_, o.from != never);
+}
+
+void channel_base::settle_valid() {
+  const cycle end = domain_->next_edge();
+  if (end == valid_since_) return;
+  if (downstream_ != nullptr) {
+    RTU_CHECK(valid_.when == nullptr, ==, true);
+    const cycle begin = std::max(valid_since_, valid_.from);
+    if (begin < end) downstream_->input_valid(begin, end);
+  }
+  valid_cycles_ += valid_.count(valid_since_, end);
+  valid_since_ = end;
+}
+
+void channel_base::settle_ready() {
+  const cycle end = domain_->next_edge();
+  if (end == ready_since_) return;
+  ready_cycles_ += ready_.count(ready_since_, end);
+  ready_since_ = end;
+}
+
+cycle channel_base::first_fire(cycle from, cycle horizon) const {
+  if (valid_.when == nullptr && ready_.when == nullptr) return std::max({from, valid_.from, ready_.from});
+  for (cycle v = valid_.next(from); v <= horizon;) {
+    const cycle r = ready_.next(v);
+    if (r == v) return v;
+    if (r > horizon) break;
+    v = valid_.next(r);
+    if (v == r) return v;
+  }
+  return never;
+}
+
+channel_stats channel_base::stats() {
+  settle_ready();
+  if (upstream_ == nullptr)
+    settle_valid();
+  else
+    valid_cycles_ = upstream_->valid_cycles(output_);
+  const std::uint64_t all = domain_->next_edge();
+  return {transfers_, ready_cycles_ - transfers_, valid_cycles_ - transfers_, all + transfers_ - valid_cycles_ - ready_cycles_};
+}
+
+bool channel_base::valid_level(cycle c) const {
+  if (upstream_ == nullptr) return producer_->level(*this);
+  return upstream_->level(*this) && upstream_->points_at(output_, c);
+}
+
+bool channel_base::ready_level() const { return consumer_->level(*this); }
+
+void channel_base::check_levels(cycle c) {
+  const bool v = valid_level(c);
+  const bool r = ready_level();
+  if (upstream_ == nullptr) {
+    if (v != valid_.asserts(c) || r != ready_.asserts(c) || (v && r) != (at == c))
+      throw simulation_error(fmt::format("{}: offers and registers differ in cycle {}: valid {} against {}, ready {} against {}, fires {}", name(),
+                                         c, valid_.asserts(c), v, ready_.asserts(c), r, at == c));
+  } else if (r != ready_.asserts(c)) {
+    throw simulation_error(fmt::format("{}: offered ready {} differs from the registers' in cycle {}", name(), ready_.asserts(c), c));
+  }
+  checked_valid_cycles_ += v;
+  checked_ready_cycles_ += r;
+}
+
+void channel_base::show_levels(cycle c) {
+  shown_valid_ = valid_level(c);
+  shown_ready_ = ready_level();
+  if (shown_valid_) show(c);
+}
+
+void channel_stats::describe(config::report& r) const {
+  r.number("transferred", transferred, "cycles", "cycles with a transfer: valid and ready");
+  r.number("starved", starved, "cycles", "cycles in which the consumer waits: ready, not valid");
+  r.number("held_back", held_back, "cycles", "cycles in which the producer waits: valid, not ready");
+  r.number("idle", idle, "cycles", "cycles in which neither side asserts");
+}
+
+}  // namespace rtusim

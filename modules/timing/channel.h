@@ -1,0 +1,189 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <systemc>
+
+#include "modules/config/report.h"
+#include "modules/timing/calendar.h"
+#include "modules/timing/offer.h"
+#include "modules/timing/unit.h"
+
+namespace rtusim {
+
+class clock_domain;
+class junction;
+class waveform;
+
+/// How the cycles of a channel divide, told from valid and ready alone.
+struct channel_stats {
+  std::uint64_t transferred = 0;  ///< valid and ready
+  std::uint64_t starved = 0;      ///< ready, not valid
+  std::uint64_t held_back = 0;    ///< valid, not ready
+  std::uint64_t idle = 0;         ///< neither
+
+  void describe(config::report& r) const;
+};
+
+/// A ready/valid channel without its payload: two offers and the first cycle in which both assert.
+class channel_base : public sc_core::sc_object, public virtual sc_core::sc_interface, public booking {
+ public:
+  enum class side : std::uint8_t { valid, ready };
+
+  /// Whether it transfers at the edge being done.
+  bool fired() const { return fired_; }
+  /// The cycle of the next transfer if nothing else fires before, or never.
+  cycle fires_at() const { return at; }
+  cycle last_fire() const { return last_fire_; }
+  std::uint64_t transfers() const { return transfers_; }
+  unit& producer() const { return *producer_; }
+  unit& consumer() const { return *consumer_; }
+
+  /// Replaces the producer's (consumer's) offer from the next cycle on.
+  void offer_valid(offer o);
+  void offer_ready(offer o);
+  /// Call before the pattern behind the present ready (valid) offer changes its mind, then offer again.
+  void settle_valid();
+  void settle_ready();
+  /// A consumer with many inputs lists the transfers of this one as `which` in its `arrivals`.
+  void report_arrivals_as(unsigned which) { arrival_ = which; }
+  const offer& valid() const { return valid_; }
+  const offer& ready() const { return ready_; }
+
+  /// Division of all cycles before the next edge.
+  channel_stats stats();
+
+  /// Levels in cycle c as the registers give them, without offers.
+  bool valid_level(cycle c) const;
+  bool ready_level() const;
+
+ protected:
+  explicit channel_base(const char* name);
+  void register_port(sc_core::sc_port_base& port, const char* interface_name) override;
+
+  /// Takes the payload over from the producer, at the edge of cycle c; called once for each transfer.
+  virtual void latch(cycle c) = 0;
+  /// Copies the payload that is offered in cycle c to where a waveform looks.
+  virtual void show(cycle c) = 0;
+  virtual void trace_payload(waveform& w) const = 0;
+
+ private:
+  friend class clock_domain;
+  friend class junction;
+  friend class waveform;
+
+  static constexpr unsigned unlisted = ~0u;
+
+  cycle first_fire(cycle from, cycle horizon) const;
+  void check_levels(cycle c);
+  void show_levels(cycle c);
+
+  clock_domain* domain_ = nullptr;
+  unit* producer_ = nullptr;
+  unit* consumer_ = nullptr;
+  junction* upstream_ = nullptr;    // the junction that drives valid
+  junction* downstream_ = nullptr;  // the junction that consumes
+  unsigned output_ = 0;             // which output of `upstream_`
+  unsigned arrival_ = unlisted;
+
+  offer valid_;
+  offer ready_;
+  cycle valid_since_ = 0;  // cycles before are in valid_cycles_
+  cycle ready_since_ = 0;
+  std::uint64_t valid_cycles_ = 0;
+  std::uint64_t ready_cycles_ = 0;
+  std::uint64_t transfers_ = 0;
+  cycle last_fire_ = never;
+  bool fired_ = false;
+  bool dirty_ = false;
+  unsigned rank_ = 0;
+  std::vector<channel_base*> dependents_;  // whose offers pass this channel's transfer through
+
+  std::uint64_t checked_valid_cycles_ = 0;  // counted cycle by cycle while checking
+  std::uint64_t checked_ready_cycles_ = 0;
+  bool shown_valid_ = false;  // levels of the cycle that a waveform shows
+  bool shown_ready_ = false;
+};
+
+/// Watches the transfers of a channel. Observers change nothing.
+template <class T>
+class channel_observer {
+ public:
+  virtual ~channel_observer() = default;
+  virtual void transferred(unsigned which, cycle c, const T& payload) = 0;
+};
+
+/// Gives the payload that a port offers in cycle c, where that depends on the cycle.
+template <class T>
+class payload_select {
+ public:
+  virtual ~payload_select() = default;
+  virtual const T& payload_at(cycle c) const = 0;
+};
+
+/// Registers the fields of a payload in a waveform; payload types overload it.
+template <class T>
+void trace_fields(waveform& w, const std::string& name, const T& payload);
+
+template <class T>
+class channel final : public channel_base {
+ public:
+  explicit channel(const char* name) : channel_base(name) {}
+
+  /// The payload of the transfer at this edge.
+  const T& data() const { return data_; }
+  /// The payload offered in cycle c, in which valid is asserted.
+  const T& offered(cycle c) const { return select_ != nullptr ? select_->payload_at(c) : *source_; }
+  /// Where the payload lies until the transfer.
+  void drive(const T& payload) { source_ = &payload; }
+  void drive(const payload_select<T>& select) { select_ = &select; }
+  /// `which` is handed back with each transfer.
+  void observe(channel_observer<T>& observer, unsigned which) {
+    observer_ = &observer;
+    which_ = which;
+  }
+
+ private:
+  void latch(cycle c) override {
+    data_ = offered(c);
+    if (observer_ != nullptr) observer_->transferred(which_, c, data_);
+  }
+  void show(cycle c) override {
+    shown_ = offered(c);
+  }
+  void trace_payload(waveform& w) const override { trace_fields(w, std::string(name()), shown_); }
+
+  const T* source_ = nullptr;
+  const payload_select<T>* select_ = nullptr;
+  T data_{};
+  T shown_{};
+  channel_observer<T>* observer_ = nullptr;
+  unsigned which_ = 0;
+};
+
+/// Ports of either side. A unit binds to the channel, not to the unit behind it.
+class rv_port {
+ public:
+  explicit rv_port(channel_base::side s) : side_(s) {}
+  virtual ~rv_port() = default;
+  channel_base::side drives() const { return side_; }
+
+ private:
+  channel_base::side side_;
+};
+
+template <class T>
+class rv_in : public sc_core::sc_port<channel<T>>, public rv_port {
+ public:
+  explicit rv_in(const char* name) : sc_core::sc_port<channel<T>>(name), rv_port(channel_base::side::ready) {}
+};
+
+template <class T>
+class rv_out : public sc_core::sc_port<channel<T>>, public rv_port {
+ public:
+  explicit rv_out(const char* name) : sc_core::sc_port<channel<T>>(name), rv_port(channel_base::side::valid) {}
+};
+
+}  // namespace rtusim

@@ -1,0 +1,249 @@
+#include "modules/timing/clock_domain.h"
+
+#include <algorithm>
+#include <limits>
+#include <string>
+
+#include "modules/config/error.h"
+#include "modules/timing/channel.h"
+#include "modules/timing/junction.h"
+#include "modules/timing/unit.h"
+#include "modules/timing/waveform.h"
+
+namespace rtusim {
+namespace {
+
+clock_domain* current_domain = nullptr;
+
+/// So many edges at most in one wake-up, so that SystemC's time follows.
+constexpr unsigned edges_a_wake_up = 1u << 16;
+
+}  // namespace
+
+clock_domain::clock_domain(const sc_core::sc_module_name& name, double clock_mhz)
+    : sc_module(name), period_(1.0 / clock_mhz, sc_core::SC_US) {
+  current_domain = this;
+  SC_HAS_PROCESS(clock_domain);
+  SC_METHOD(run);
+}
+
+clock_domain::~clock_domain() {
+  if (current_domain == this) current_domain = nullptr;
+}
+
+clock_domain& clock_domain::current() {
+  if (current_domain == nullptr) throw simulation_error("a unit or channel was constructed before its clock domain");
+  return *current_domain;
+}
+
+void clock_domain::add(unit& u) {
+  u.domain_ = this;
+  units_.push_back(&u);
+}
+
+void clock_domain::add(channel_base& c) { channels_.push_back(&c); }
+
+void clock_domain::depends(channel_base& offers_of, channel_base& source) { source.dependents_.push_back(&offers_of); }
+
+void clock_domain::mark_dirty(channel_base& c) {
+  if (c.dirty_) return;
+  c.dirty_ = true;
+  dirty_[c.rank_].push_back(&c);
+}
+
+void clock_domain::start_of_simulation() {
+  for (const channel_base* c : channels_)
+    if (c->producer_ == nullptr || c->consumer_ == nullptr)
+      throw simulation_error(fmt::format("channel {} has no {}", c->name(), c->producer_ == nullptr ? "producer" : "consumer"));
+  for (unit* u : units_) u->connect();
+  rank_channels();
+  for (unit* u : units_) u->reset();
+  resolve();
+  catch_up();
+}
+
+void clock_domain::rank_channels() {
+  // A channel ranks behind all whose transfers its offers pass through.
+  std::vector<channel_base*> ready_to_rank;
+  std::vector<std::pair<channel_base*, unsigned>> sources;
+  for (channel_base* c : channels_) {
+    unsigned count = 0;
+    for (const channel_base* other : channels_)
+      count += static_cast<unsigned>(std::count(other->dependents_.begin(), other->dependents_.end(), c));
+    sources.emplace_back(c, count);
+    if (count == 0) ready_to_rank.push_back(c);
+  }
+  std::size_t ranked = 0;
+  unsigned highest = 0;
+  for (; ranked < ready_to_rank.size(); ++ranked) {
+    channel_base& c = *ready_to_rank[ranked];
+    highest = std::max(highest, c.rank_);
+    for (channel_base* d : c.dependents_) {
+      d->rank_ = std::max(d->rank_, c.rank_ + 1);
+      for (auto& [channel, count] : sources)
+        if (channel == d && --count == 0) ready_to_rank.push_back(d);
+    }
+  }
+  if (ranked != channels_.size()) throw simulation_error("the offers of the channels depend on each other in a cycle");
+  dirty_.resize(highest + 1);
+}
+
+void clock_domain::record(waveform& w, cycle from, cycle to) {
+  waveform_ = &w;
+  record_from_ = from;
+  record_to_ = to;
+}
+
+void clock_domain::run() {
+  ++stats_.wake_ups;
+  if (stats_.wake_ups == 1) {  // the call at time 0: cycle 0 begins, its edge comes a period later
+    if (recording(0)) waveform_->open(*this);
+    next_trigger(period_);
+    return;
+  }
+  for (unsigned n = 0;; ++n) {
+    if (tick_ && ++edges_to_tick_ % 100'000 == 0) tick_();
+    edge(next_);
+    if (stopping_) {
+      catch_up();
+      if (pace_ == pace::checked) count_checked();
+      sc_core::sc_stop();
+      return;
+    }
+    // The next edge of interest: every one while stepping or recording, else the earliest that is booked.
+    cycle target = next_;
+    if (pace_ == pace::skipping && !recording(next_)) {
+      target = std::min(calendar_.earliest(), last_transfer_ + watchdog_ + 1);
+      if (waveform_ != nullptr && next_ < record_from_) target = std::min(target, record_from_);
+    }
+    next_ = target;
+    if (recording(target) || n == edges_a_wake_up || sc_core::sc_pending_activity()) {
+      if (waveform_ != nullptr && target == record_from_) {
+        catch_up();
+        waveform_->open(*this);
+      }
+      next_trigger(period_ * static_cast<double>(target + 1) - sc_core::sc_time_stamp());
+      return;
+    }
+  }
+}
+
+void clock_domain::edge(cycle c) {
+  if (c - last_transfer_ > watchdog_) report_deadlock();
+  const bool every = pace_ != pace::skipping || recording(c);
+  if (every && !current_) catch_up();
+  current_ = every;
+  if (pace_ == pace::checked) check_levels();
+  now_ = c;
+  next_ = c + 1;
+  ++stats_.edges;
+  if (every) {
+    for (unit* u : units_) u->due_ = true;
+    due_ = units_;
+  }
+  calendar_.take(c, [&](booking& b) {
+    if (b.kind == booking::what::channel) {
+      fire(static_cast<channel_base&>(b), c);
+    } else if (auto& u = static_cast<unit&>(b); !u.due_) {
+      u.due_ = true;
+      due_.push_back(&u);
+    }
+  });
+  call_units(c);
+  for (channel_base* ch : fired_) ch->fired_ = false;
+  fired_.clear();
+  resolve();
+  if (every) {
+    for (unit* u : units_) u->settle_registers();
+    if (recording(next_) && c + 1 != record_from_) waveform_->show(*this);
+    if (waveform_ != nullptr && next_ == record_to_) waveform_->close(*this);
+  }
+}
+
+void clock_domain::fire(channel_base& ch, cycle c) {
+  ch.fired_ = true;
+  ch.last_fire_ = c;
+  ++ch.transfers_;
+  fired_.push_back(&ch);
+  last_transfer_ = c;
+  ch.latch(c);
+  if (ch.arrival_ != channel_base::unlisted) ch.consumer_->arrivals_.push_back(ch.arrival_);
+  for (unit* u : {ch.producer_, ch.consumer_}) {
+    if (u->due_) continue;
+    u->due_ = true;
+    due_.push_back(u);
+  }
+  if (ch.downstream_ != nullptr) {
+    ch.settle_valid();
+    fire(ch.downstream_->pass(c), c);
+  }
+  // Whether a transfer comes again is asked anew even if neither side says more.
+  if (ch.upstream_ == nullptr) mark_dirty(ch);
+}
+
+void clock_domain::call_units(cycle c) {
+  if (shuffle_ != 0) {
+    for (std::size_t i = due_.size(); i > 1; --i) {
+      shuffle_ = shuffle_ * 1664525u + 1013904223u;
+      std::swap(due_[i - 1], due_[shuffle_ % i]);
+    }
+  }
+  for (unit* u : due_) {
+    if (u->next_edge_ < c) u->idle(c - u->next_edge_);
+    u->edge();
+    u->next_edge_ = c + 1;
+    u->due_ = false;
+    u->arrivals_.clear();
+  }
+  stats_.unit_edges += due_.size();
+  due_.clear();
+}
+
+void clock_domain::resolve() {
+  const cycle horizon = next_ + watchdog_;
+  for (auto& rank : dirty_) {
+    for (std::size_t i = 0; i < rank.size(); ++i) {
+      channel_base& ch = *rank[i];
+      ch.dirty_ = false;
+      const cycle fires = ch.first_fire(next_, horizon);
+      calendar_.book(ch, fires);
+      for (channel_base* d : ch.dependents_) mark_dirty(*d);
+    }
+    rank.clear();
+  }
+}
+
+void clock_domain::catch_up() {
+  for (unit* u : units_) {
+    if (u->next_edge_ < next_) u->idle(next_ - u->next_edge_);
+    u->next_edge_ = next_;
+    u->settle_registers();
+  }
+}
+
+void clock_domain::check_levels() {
+  for (channel_base* ch : channels_) ch->check_levels(next_);
+  ++checked_;
+}
+
+void clock_domain::count_checked() {
+  if (checked_ != next_) return;  // not from the beginning
+  for (channel_base* ch : channels_) {
+    const channel_stats s = ch->stats();
+    RTU_CHECK(s.transferred + s.held_back, ==, ch->checked_valid_cycles_);
+    RTU_CHECK(s.transferred + s.starved, ==, ch->checked_ready_cycles_);
+  }
+}
+
+void clock_domain::report_deadlock() const {
+  std::string chain;
+  for (const channel_base* ch : channels_) {
+    const bool v = ch->upstream_ == nullptr ? ch->valid_.asserts(next_) : false;
+    if (!v) continue;
+    chain += fmt::format("{}{}: {} waits for {}", chain.empty() ? "" : "; ", ch->name(), ch->producer_->basename(), ch->consumer_->basename());
+  }
+  throw simulation_error(fmt::format("no transfer in the {} cycles behind cycle {}: {}", watchdog_, last_transfer_,
+                                     chain.empty() ? std::string("no channel is valid, so a source gives nothing more") : chain));
+}
+
+}  // namespace rtusim

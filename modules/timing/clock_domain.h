@@ -1,0 +1,120 @@
+#pragma once
+
+#include <array>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <systemc>
+
+#include "modules/timing/calendar.h"
+#include "modules/timing/offer.h"
+
+namespace rtusim {
+
+class channel_base;
+class unit;
+class waveform;
+
+/// How a run goes through the edges of its clock. All are the same model and give the same bytes.
+enum class pace : std::uint8_t {
+  skipping,  ///< only the edges at which something happens
+  stepped,   ///< every edge of every unit: what a waveform needs
+  checked,   ///< stepped, and every offer is held against the registers in every cycle
+};
+
+/// How much work a run was.
+struct clock_stats {
+  std::uint64_t edges = 0;       ///< edges at which units were called
+  std::uint64_t unit_edges = 0;  ///< calls of a unit's edge
+  std::uint64_t wake_ups = 0;    ///< of the SystemC process
+};
+
+/// The one process of a clock. At an edge it lets the channels that fire take over their payload, calls the units that are due,
+/// in any order, and finds the next transfer of the channels whose offers changed.
+///
+/// Cycle c lasts from SystemC time c periods to c + 1 periods, and its edge closes it: what a waveform shows within the cycle
+/// is what the edge samples. Several edges are done in one wake-up while nothing else in SystemC is pending.
+class clock_domain : public sc_core::sc_module {
+ public:
+  clock_domain(const sc_core::sc_module_name& name, double clock_mhz);
+  ~clock_domain() override;
+
+  /// The domain that units and channels join as they are constructed: the last one constructed.
+  static clock_domain& current();
+
+  /// The edge being done.
+  cycle now() const { return now_; }
+  /// The edge to be done next: all before it are done.
+  cycle next_edge() const { return next_; }
+  const sc_core::sc_time& period() const { return period_; }
+  const clock_stats& stats() const { return stats_; }
+
+  void set_pace(pace p) { pace_ = p; }
+  pace present_pace() const { return pace_; }
+  /// A run in which nothing transfers for so many cycles ends with a simulation_error that tells who waits for whom.
+  void set_watchdog(cycle cycles) { watchdog_ = cycles; }
+  /// Calls units in another order at every edge, from a seed: which must change nothing.
+  void shuffle_units(std::uint32_t seed) { shuffle_ = seed; }
+  /// Ends the simulation behind the edge being done.
+  void stop() { stopping_ = true; }
+  /// `w` records the cycles [from, to); outside the run goes on at its own pace.
+  void record(waveform& w, cycle from, cycle to);
+  /// Called about every hundred thousand edges.
+  void set_progress(std::function<void()> tick) { tick_ = std::move(tick); }
+
+  /// `offers_of` has an offer that passes the transfers of `source` through.
+  void depends(channel_base& offers_of, channel_base& source);
+  void book(booking& b, cycle at) { calendar_.book(b, at); }
+
+  const std::vector<unit*>& units() const { return units_; }
+  const std::vector<channel_base*>& channels() const { return channels_; }
+
+ private:
+  friend class unit;
+  friend class channel_base;
+  friend class waveform;
+
+  void add(unit& u);
+  void add(channel_base& c);
+  void mark_dirty(channel_base& c);
+  void start_of_simulation() override;
+  void rank_channels();
+  void run();
+  void edge(cycle c);
+  void fire(channel_base& ch, cycle c);
+  void call_units(cycle c);
+  void resolve();
+  void catch_up();
+  void check_levels();
+  void count_checked();
+  [[noreturn]] void report_deadlock() const;
+  bool recording(cycle c) const { return waveform_ != nullptr && c >= record_from_ && c < record_to_; }
+
+  sc_core::sc_time period_;
+  pace pace_ = pace::skipping;
+  cycle watchdog_ = 1'000'000;
+  std::uint32_t shuffle_ = 0;
+  cycle now_ = never;
+  cycle next_ = 0;
+  cycle last_transfer_ = 0;
+  bool stopping_ = false;
+  bool current_ = true;    // whether all units' registers stand at next_
+  cycle checked_ = 0;      // cycles whose levels were checked
+  std::uint64_t edges_to_tick_ = 0;
+  std::function<void()> tick_;
+
+  calendar calendar_;
+  std::vector<unit*> units_;
+  std::vector<channel_base*> channels_;
+  std::vector<unit*> due_;
+  std::vector<channel_base*> fired_;
+  std::vector<std::vector<channel_base*>> dirty_;  // by rank
+  clock_stats stats_;
+
+  waveform* waveform_ = nullptr;
+  cycle record_from_ = never;
+  cycle record_to_ = 0;
+};
+
+}  // namespace rtusim

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "modules/timing/offer.h"
+
+namespace rtusim {
+
+/// A select register over N lines that turns by one every clock, and the lines that are 1: the signal under the register.
+/// Line selected in cycle c: (c + phase) mod N.
+class rotating_select final : public pattern {
+ public:
+  explicit rotating_select(unsigned lines);
+
+  unsigned lines() const { return lines_; }
+  unsigned selected(cycle c) const { return static_cast<unsigned>((c + phase_) % lines_); }
+  /// Turns the register so that it selects `line` in cycle c.
+  void select(unsigned line, cycle c);
+
+  bool line(unsigned i) const { return bits_[i / 64] >> (i % 64) & 1; }
+  void set_line(unsigned i, bool on);
+  bool any() const { return on_ != 0; }
+  /// The lowest line that is 1; there must be one.
+  unsigned lowest() const;
+
+  cycle next(cycle c) const override;
+  std::uint64_t count(cycle from, cycle to) const override;
+
+ private:
+  unsigned first_from(unsigned line) const;             // >= line, or lines_
+  std::uint64_t count_lines(unsigned begin, unsigned end) const;
+
+  unsigned lines_;
+  unsigned on_ = 0;
+  unsigned phase_ = 0;
+  std::vector<std::uint64_t> bits_;
+};
+
+}  // namespace rtusim

@@ -1,0 +1,13 @@
+#include "modules/timing/unit.h"
+
+#include "modules/timing/clock_domain.h"
+
+namespace rtusim {
+
+unit::unit(const sc_core::sc_module_name& name) : sc_module(name), booking(what::unit) { clock_domain::current().add(*this); }
+
+cycle unit::now() const { return domain_->now(); }
+
+void unit::book_edge(cycle c) { domain_->book(*this, c); }
+
+}  // namespace rtusim

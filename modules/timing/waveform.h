@@ -1,0 +1,65 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <type_traits>
+
+#include <systemc>
+
+#include "modules/config/files.h"
+#include "modules/formats/packets.h"
+#include "modules/timing/offer.h"
+
+namespace rtusim {
+
+class clock_domain;
+
+/// A VCD file of every channel, state and counter of a clock domain, for the cycles of a window.
+///
+/// Cycle c lasts from c to c + 1 periods: the values within it are those that its closing edge samples. `clock` rises at
+/// each edge.
+class waveform : public sc_core::sc_module {
+ public:
+  /// `file` is replaced when the recording is complete.
+  waveform(const sc_core::sc_module_name& name, std::filesystem::path file);
+  ~waveform() override;
+
+  /// For units, channels and payloads, in their `trace`: adds one variable of `bits` bits (0: all of its type).
+  template <class T>
+  void add(const T& variable, const std::string& name, unsigned bits = 0) {
+    if constexpr (std::is_same_v<T, bool>) {
+      sc_core::sc_trace(file_, variable, name);
+    } else if constexpr (std::is_enum_v<T>) {
+      sc_core::sc_trace(file_, reinterpret_cast<const unsigned char&>(variable), name, static_cast<int>(bits));
+    } else {
+      sc_core::sc_trace(file_, variable, name, static_cast<int>(bits != 0 ? bits : sizeof(T) * 8));
+    }
+  }
+
+  /// Starts the file with the values of the coming cycle.
+  void open(clock_domain& domain);
+  /// Shows the coming cycle, after the edge before it.
+  void show(clock_domain& domain);
+  /// Ends the recording and puts the file in place. Without an open recording there is no file.
+  void close(clock_domain& domain);
+
+ private:
+  void refresh(clock_domain& domain);
+  void fall() { clock_ = false; }
+
+  std::filesystem::path path_;
+  std::unique_ptr<config::output_file> output_;
+  sc_core::sc_trace_file* file_ = nullptr;
+  sc_core::sc_event half_period_;
+  bool clock_ = false;
+  std::uint64_t cycle_ = 0;
+};
+
+/// The fields of the packets that run between the units, as a waveform shows them.
+void trace_fields(waveform& w, const std::string& name, const job_packet& p);
+void trace_fields(waveform& w, const std::string& name, const traversal_job& j);
+void trace_fields(waveform& w, const std::string& name, const traversal_result& r);
+
+}  // namespace rtusim

@@ -1,0 +1,110 @@
+#include "testbench/scoreboard.h"
+
+#include "modules/config/error.h"
+
+namespace rtusim {
+
+scoreboard::scoreboard(rtu& unit, channel<job_packet>& jobs, channel<traversal_result>& results) {
+  const std::size_t cores = unit.cores().size();
+  std::size_t ring = 16;
+  while (ring < job_manager::stages + 2 * cores + 2) ring *= 2;
+  flights_.resize(ring);
+  jobs.observe(*this, 0);
+  unit.pending_job().observe(*this, pending);
+  for (unsigned i = 0; i < cores; ++i) {
+    unit.core_jobs()[i].observe(*this, i + 1);
+    unit.core_results()[i].observe(*this, i + 1);
+  }
+  results.observe(*this, 0);
+}
+
+void scoreboard::transferred(unsigned, cycle c, const job_packet& p) {
+  // Rays leave out of order, so a slot can be busy although fewer than the ring's are in flight: then the ring grows.
+  if (in_flight(accepted_).accepted != never) {
+    std::vector<flight> more(flights_.size() * 2);
+    for (std::uint32_t s = accepted_ - static_cast<std::uint32_t>(flights_.size()); s != accepted_; ++s)
+      more[s & (more.size() - 1)] = in_flight(s);
+    flights_ = std::move(more);
+  }
+  in_flight(accepted_++) = {p.job_word, 0, c, never, never};
+  last_accepted_ = c;
+}
+
+void scoreboard::transferred(unsigned which, cycle c, const traversal_job& j) {
+  flight& f = in_flight(j.sequence);
+  RTU_CHECK(f.job_word, ==, j.job_word);
+  if (which == pending) {
+    RTU_CHECK(j.sequence, ==, dispatched_);
+    ++dispatched_;
+    f.dispatched = c;
+  } else {
+    RTU_CHECK(f.dispatched, ==, c);
+    f.core = which - 1;
+  }
+}
+
+void scoreboard::transferred(unsigned which, cycle c, const traversal_result& r) {
+  flight& f = in_flight(r.sequence);
+  RTU_CHECK(f.job_word, ==, r.job_word);
+  if (which != 0) {
+    RTU_CHECK(f.core, ==, which - 1);
+    RTU_CHECK(f.buffered, ==, never);
+    f.buffered = c;
+    return;
+  }
+  arrived(c, r);
+  f = {};
+}
+
+void scoreboard::arrived(cycle c, const traversal_result& r) {
+  const flight& f = in_flight(r.sequence);
+  RTU_CHECK(static_cast<std::uint32_t>(r.core), ==, f.core);
+  const cycle converted = f.accepted + job_manager::stages;
+  const cycle walked = f.dispatched + r.cost + 1;
+  RTU_CHECK(f.dispatched, >=, converted);
+  RTU_CHECK(f.buffered, >=, walked);
+  RTU_CHECK(c, >, f.buffered);
+  const ray_waits waits{job_manager::stages, f.dispatched - converted, r.cost + std::uint64_t{1}, f.buffered - walked, c - f.buffered};
+  RTU_CHECK(waits.latency_cycles(), ==, c - f.accepted);
+
+  ++results_;
+  hits_ += r.hit;
+  cost_sum_ += r.cost;
+  last_result_ = c;
+  waits_ += waits;
+  latency_.add(waits.latency_cycles());
+  cost_.add(r.cost);
+  const auto mix = [this](std::uint64_t word) { checksum_ = (checksum_ ^ word) * 1099511628211u; };
+  mix(r.job_word);
+  mix(r.hit);
+  mix(r.cost);
+  mix(c);
+  if (r.hit) mix(static_cast<std::uint32_t>(r.t_hit));
+  if (handler_) handler_(c, r, waits);
+}
+
+void scoreboard::check_complete(std::uint64_t jobs) const {
+  RTU_CHECK(static_cast<std::uint64_t>(accepted_), ==, jobs);
+  RTU_CHECK(results_, ==, jobs);
+  for (const flight& f : flights_) RTU_CHECK(f.accepted, ==, never);
+}
+
+ray_waits& ray_waits::operator+=(const ray_waits& w) {
+  conversion_cycles += w.conversion_cycles;
+  dispatch_cycles += w.dispatch_cycles;
+  traversal_cycles += w.traversal_cycles;
+  buffer_cycles += w.buffer_cycles;
+  result_cycles += w.result_cycles;
+  return *this;
+}
+
+void ray_waits::describe(config::report& r, double rays) const {
+  const auto mean = [rays](std::uint64_t sum) { return rays == 0 ? 0.0 : static_cast<double>(sum) / rays; };
+  r.number("conversion", mean(conversion_cycles), "cycles/ray", "in the job manager's stages");
+  r.number("dispatch", mean(dispatch_cycles), "cycles/ray", "in the job manager, until a core takes the job");
+  r.number("traversal", mean(traversal_cycles), "cycles/ray", "in the core's states");
+  r.number("buffer", mean(buffer_cycles), "cycles/ray", "in the core, until its result buffer is empty");
+  r.number("result", mean(result_cycles), "cycles/ray", "in the result buffer, until the result leaves");
+}
+
+}  // namespace rtusim

@@ -1,0 +1,83 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "modules/config/report.h"
+#include "modules/formats/packets.h"
+#include "modules/rtu/rtu.h"
+#include "modules/timing/channel.h"
+#include "testbench/histogram.h"
+
+namespace rtusim {
+
+/// Where the cycles of a ray went, from the edge that accepts its job to the edge at which its result leaves.
+struct ray_waits {
+  std::uint64_t conversion_cycles = 0;  ///< the job manager's stages
+  std::uint64_t dispatch_cycles = 0;    ///< in the job manager, until a core takes the job
+  std::uint64_t traversal_cycles = 0;   ///< in the core: cost + 1
+  std::uint64_t buffer_cycles = 0;      ///< in the core, until its result buffer is empty
+  std::uint64_t result_cycles = 0;      ///< in the result buffer, until the result leaves
+
+  std::uint64_t latency_cycles() const { return conversion_cycles + dispatch_cycles + traversal_cycles + buffer_cycles + result_cycles; }
+  ray_waits& operator+=(const ray_waits& w);
+  void describe(config::report& r, double rays) const;
+};
+
+/// Watches an RTU's channels: that each job comes to one result, in order where order is promised, and how long each part took.
+/// A violation is a simulation_error.
+class scoreboard : channel_observer<job_packet>, channel_observer<traversal_job>, channel_observer<traversal_result> {
+ public:
+  /// Called for each result as it leaves, in order.
+  using result_handler = std::function<void(cycle, const traversal_result&, const ray_waits&)>;
+
+  scoreboard(rtu& unit, channel<job_packet>& jobs, channel<traversal_result>& results);
+
+  void on_result(result_handler handler) { handler_ = std::move(handler); }
+  /// At the end: every job has its result.
+  void check_complete(std::uint64_t jobs) const;
+
+  std::uint64_t results() const { return results_; }
+  std::uint64_t hits() const { return hits_; }
+  /// Cycles of the last result and of the last accepted job.
+  cycle last_result() const { return last_result_; }
+  cycle last_accepted() const { return last_accepted_; }
+  const ray_waits& waits() const { return waits_; }
+  const histogram& latency() const { return latency_; }
+  const histogram& cost() const { return cost_; }
+  std::uint64_t cost_sum() const { return cost_sum_; }
+  /// The checksum of `testbench/golden`: over job word, hit, cost, cycle and the t of hits, in order.
+  std::uint64_t checksum() const { return checksum_; }
+
+ private:
+  struct flight {
+    std::uint32_t job_word = 0;
+    std::uint32_t core = 0;
+    cycle accepted = never, dispatched = never, buffered = never;
+  };
+  // Observed channels, by the number that comes with a transfer: the scheduler's input, or from 1 on core i - 1.
+  static constexpr unsigned pending = 0;
+
+  void transferred(unsigned which, cycle c, const job_packet& p) override;
+  void transferred(unsigned which, cycle c, const traversal_job& j) override;
+  void transferred(unsigned which, cycle c, const traversal_result& r) override;
+  flight& in_flight(std::uint32_t sequence) { return flights_[sequence & (flights_.size() - 1)]; }
+  void arrived(cycle c, const traversal_result& r);
+
+  std::vector<flight> flights_;  // ring by sequence
+  std::uint32_t accepted_ = 0;
+  std::uint32_t dispatched_ = 0;
+  std::uint64_t results_ = 0;
+  std::uint64_t hits_ = 0;
+  std::uint64_t cost_sum_ = 0;
+  cycle last_result_ = 0;
+  cycle last_accepted_ = 0;
+  ray_waits waits_;
+  histogram latency_;
+  histogram cost_;
+  std::uint64_t checksum_ = 1469598103934665603u;
+  result_handler handler_;
+};
+
+}  // namespace rtusim

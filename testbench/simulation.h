@@ -1,0 +1,73 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "modules/config/report.h"
+#include "modules/rtu/rtu.h"
+#include "modules/timing/clock_domain.h"
+#include "modules/timing/waveform.h"
+#include "testbench/scoreboard.h"
+#include "testbench/stream.h"
+
+namespace rtusim {
+
+/// What surrounds the design in a run, outside its identity.
+struct surroundings {
+  source_params source;
+  sink_params sink;
+  std::uint64_t watchdog_cycles = 1'000'000;
+
+  void describe(config::schema& s);
+  static const std::set<std::string>& sections();
+
+ private:
+  struct watchdog_params {
+    std::uint64_t* cycles;
+    void describe(config::section& s) { s.number("cycles", *cycles, {1'000, 1'000'000'000}, "cycles", "a run without a transfer for so long ends"); }
+  } watchdog_{&watchdog_cycles};
+};
+
+/// The cycles [from, to) that a waveform shows.
+struct waveform_window {
+  std::filesystem::path file;
+  cycle from = 0;
+  cycle to = never;
+};
+
+/// A design between a job source and a result sink. One a process: SystemC elaborates once.
+class simulation {
+ public:
+  /// All arguments must outlive the simulation.
+  simulation(const design& d, const surroundings& s, const std::vector<std::uint32_t>& image, const std::vector<job_packet>& jobs, pace p,
+             const std::optional<waveform_window>& window = {});
+
+  clock_domain& clock() { return clock_; }
+  scoreboard& board() { return scoreboard_; }
+  rtu& unit() { return rtu_; }
+
+  /// Runs until every job has its result. Errors: simulation_error when the watchdog ends it or a check fails.
+  void run();
+
+  /// Cycle of the last result, as the papers count.
+  cycle total_cycles() const { return scoreboard_.last_result(); }
+  /// All figures of the run that the design determines.
+  void describe_statistics(config::report& r);
+
+ private:
+  const std::vector<job_packet>& jobs_;
+  clock_domain clock_;
+  stream_source<job_packet> source_;
+  rtu rtu_;
+  stream_sink<traversal_result> sink_;
+  channel<job_packet> job_{"job"};
+  channel<traversal_result> result_{"result"};
+  scoreboard scoreboard_;
+  std::unique_ptr<waveform> waveform_;
+};
+
+}  // namespace rtusim
