@@ -21,20 +21,31 @@ namespace rtusim::config {
 class schema {
  public:
   /// Describes `params` as a section. Its present values become the defaults.
+  /// `home`: the kind of file its keys stand in, for the message when they stand in another: "a scene file".
   template <class Params>
-  void add(std::string_view name, Params& params) {
+  void add(std::string_view name, Params& params, std::string_view home = {}) {
     sections_.emplace_back(std::string(name));
     params.describe(sections_.back());
     note_defaults(sections_.back());
+    homes_[std::string(name)] = home;
   }
 
-  /// Reads a TOML file. `sections`: the top-level tables this file may hold (others are refused with a word on which kind
-  /// of file they belong to when another section of that name exists).
-  /// Errors: input_error for a file that is missing, a folder, unreadable or no TOML; for a key that nobody declares, naming
-  /// the nearest one; for a value of the wrong type or out of range. Each with file and line.
+  /// Lets the parameter `key` also be given as an array of tables with one entry, whose fields stand for other parameters:
+  /// after `entry_form("rtu.core", {{"kind", "rtu.core"}, {"count", "rtu.cores"}})` the entry `[[rtu.core]]` with `kind` and
+  /// `count` is the long form of `rtu.core` and `rtu.cores`. `why_one`: why a second entry is refused.
+  void entry_form(std::string key, std::map<std::string, std::string> fields, std::string why_one = "this version takes one");
+
+  /// Reads a TOML file. `sections`: the top-level tables this file may hold; `[errata]` comes with any that has an erratum.
+  /// Errors: input_error for a file that is missing, a folder, unreadable, larger than 1 MiB or no TOML; for a key that nobody
+  /// declares, naming the nearest one; for a section of another kind of file; for a parameter given twice; for a value of the
+  /// wrong type or out of range. Each with file and line.
   void read_toml(const std::filesystem::path& file, const std::set<std::string>& sections);
 
-  /// Applies `KEY=VALUE` of a command line; VALUE is TOML, or a bare word for a choice or a text.
+  /// Applies a record that `values` gave; `place` names its source in errors, which are those of `read_toml`.
+  void read_json(const nlohmann::json& values, const std::string& place);
+
+  /// Applies `KEY=VALUE` of a command line; VALUE is TOML, or a bare word for a choice or a text. A text takes anything that is
+  /// not a TOML string as it stands.
   void set(std::string_view assignment);
 
   /// After all values are in: refuses a key that was given by a file or by `set` but that this design does not read.
@@ -51,15 +62,25 @@ class schema {
 
  private:
   struct origin { std::string place; std::string key; };  // where a value was given: "a.toml:7" or "--set"
+  struct entry { std::map<std::string, std::string> fields; std::string why_one; };
+  struct assignment;
+  struct toml_reader;
   void note_defaults(const section& s);
   parameter* find(std::string_view key);
+  void apply(std::vector<assignment> assignments, const std::set<std::string>* allowed);
+  void set_all_errata(const assignment& a, const std::set<std::string>* allowed);
+  void refuse_unknown(const assignment& a, const std::set<std::string>* allowed) const;
+  void check_home(const assignment& a, const std::string& section_name, const std::set<std::string>* allowed) const;
+  std::vector<std::string> keys() const;
 
   std::deque<section> sections_;
+  std::map<std::string, std::string> homes_;                // by section
+  std::map<std::string, entry> entry_forms_;                // by key
   std::map<std::string, nlohmann::ordered_json> defaults_;  // by key
   std::map<std::string, origin> given_;                     // by key
 };
 
-/// The candidate with the least edit distance to `word`; empty when none is near.
+/// The candidate with the least edit distance to `word`; empty when none is near (within a third of the longer one's length).
 std::string nearest(std::string_view word, const std::vector<std::string>& candidates);
 
 }  // namespace rtusim::config

@@ -1,11 +1,13 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <functional>
 #include <limits>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -72,6 +74,7 @@ class section {
   template <class Unsigned>
   parameter& number(std::string_view field, Unsigned& at, range<std::uint64_t> limits, std::string_view unit, std::string_view meaning) {
     static_assert(std::is_unsigned_v<Unsigned> && !std::is_same_v<Unsigned, bool>);
+    limits.most = std::min<std::uint64_t>(limits.most, std::numeric_limits<Unsigned>::max());
     return add(field, unit, meaning,
                unsigned_slot{[](const void* p) -> std::uint64_t { return *static_cast<const Unsigned*>(p); },
                              [](void* p, std::uint64_t v) { *static_cast<Unsigned*>(p) = static_cast<Unsigned>(v); }, &at, limits});
@@ -81,13 +84,15 @@ class section {
     return add(field, unit, meaning, real_slot{&at, limits});
   }
   parameter& text(std::string_view field, std::string& at, std::string_view meaning) { return add(field, "", meaning, text_slot{&at}); }
-  parameter& vector(std::string_view field, std::array<double, 3>& at, range<double> limits, std::string_view unit, std::string_view meaning) {
+  parameter& vector(std::string_view field, std::array<double, 3>& at, range<double> limits, std::string_view unit,
+                    std::string_view meaning) {
     return add(field, unit, meaning, vector_slot{&at, limits});
   }
   template <class Enum>
   parameter& choice(std::string_view field, Enum& at, word_list words, std::string_view meaning) {
     return add(field, "", meaning,
-               choice_slot{std::move(words), [&at] { return static_cast<unsigned>(at); }, [&at](unsigned i) { at = static_cast<Enum>(i); }});
+               choice_slot{std::move(words), [&at] { return static_cast<unsigned>(at); },
+                           [&at](unsigned i) { at = static_cast<Enum>(i); }});
   }
   /// A switch between what was built (true) and what is right (false, the default); `errata.NAME` is its alias.
   parameter& erratum(std::string_view field, bool& at, std::string_view as_built, std::string_view right) {
