@@ -27,6 +27,7 @@ void scoreboard::transferred(unsigned, cycle c, const job_packet& p) {
     flights_ = std::move(more);
   }
   in_flight(accepted_++) = {p.job_word, 0, c, never, never};
+  if (accepted_handler_) accepted_handler_(accepted_ - 1);
   last_accepted_ = c;
 }
 
@@ -81,6 +82,7 @@ void scoreboard::arrived(cycle c, const traversal_result& r) {
   mix(c);
   if (r.hit) mix(static_cast<std::uint32_t>(r.t_hit));
   if (handler_) handler_(c, r, waits);
+  if (left_handler_) left_handler_(r.sequence);
 }
 
 void scoreboard::check_complete(std::uint64_t jobs) const {

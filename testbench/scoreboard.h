@@ -35,6 +35,10 @@ class scoreboard : channel_observer<job_packet>, channel_observer<traversal_job>
   scoreboard(rtu& unit, channel<job_packet>& jobs, channel<traversal_result>& results);
 
   void on_result(result_handler handler) { handler_ = std::move(handler); }
+  /// Called with the number of each job as it is accepted, from 0 on.
+  void on_accepted(std::function<void(std::uint32_t)> handler) { accepted_handler_ = std::move(handler); }
+  /// Called with the number of each job whose result leaves.
+  void on_left(std::function<void(std::uint32_t)> handler) { left_handler_ = std::move(handler); }
   /// At the end: every job has its result.
   void check_complete(std::uint64_t jobs) const;
 
@@ -78,6 +82,8 @@ class scoreboard : channel_observer<job_packet>, channel_observer<traversal_job>
   histogram cost_;
   std::uint64_t checksum_ = 1469598103934665603u;
   result_handler handler_;
+  std::function<void(std::uint32_t)> accepted_handler_;
+  std::function<void(std::uint32_t)> left_handler_;
 };
 
 }  // namespace rtusim

@@ -1,5 +1,7 @@
 #include "testbench/simulation.h"
 
+#include <algorithm>
+
 #include "modules/config/error.h"
 
 namespace rtusim {
@@ -18,6 +20,7 @@ const std::set<std::string>& surroundings::sections() {
 simulation::simulation(const design& d, const surroundings& s, const std::vector<std::uint32_t>& image, const std::vector<job_packet>& jobs,
                        pace p, const std::optional<waveform_window>& window)
     : jobs_(jobs),
+      window_(window),
       clock_("clock_domain", d.rtu.clock_mhz),
       source_("source", s.source, jobs),
       rtu_("rtu", d, image),
@@ -31,14 +34,34 @@ simulation::simulation(const design& d, const surroundings& s, const std::vector
   clock_.set_watchdog(s.watchdog_cycles);
   if (window) {
     waveform_ = std::make_unique<waveform>("waveform", window->file);
-    clock_.record(*waveform_, window->from, window->to);
+    if (window->job_id)
+      follow_job(*window->job_id);
+    else
+      clock_.record(*waveform_, window->from, window->to);
   }
+}
+
+void simulation::follow_job(std::uint32_t job_id) {
+  const auto found = std::find_if(jobs_.begin(), jobs_.end(), [job_id](const job_packet& j) { return j.pixel() == job_id; });
+  if (found == jobs_.end()) throw input_error("--vcd-job", fmt::format("{}, which no job has", job_id), "the id of a job of this run");
+  const auto sequence = static_cast<std::uint32_t>(found - jobs_.begin());
+  clock_.record(*waveform_, sequence == 0 ? 0 : never, never);
+  scoreboard_.on_accepted([this, sequence](std::uint32_t accepted) {
+    if (accepted + 1 == sequence) clock_.start_recording();
+  });
+  scoreboard_.on_left([this, sequence](std::uint32_t left) {
+    if (left == sequence) clock_.stop_recording();
+  });
 }
 
 void simulation::run() {
   if (jobs_.empty()) throw input_error("jobs", "none", "at least one");
-  sc_core::sc_start();
-  if (waveform_) waveform_->close(clock_);
+  clock_.start();
+  if (waveform_) {
+    waveform_->close();
+    if (!waveform_->recorded())
+      throw input_error("--vcd-from", fmt::format("cycle {}, and the run ends with cycle {}", window_->from, total_cycles()), "a cycle of the run");
+  }
   scoreboard_.check_complete(jobs_.size());
 }
 

@@ -32,11 +32,13 @@ struct surroundings {
   } watchdog_{&watchdog_cycles};
 };
 
-/// The cycles [from, to) that a waveform shows.
+/// The cycles that a waveform shows: [from, to), or those of one job, from the first in which it may be accepted to the one in which
+/// its result leaves.
 struct waveform_window {
   std::filesystem::path file;
   cycle from = 0;
   cycle to = never;
+  std::optional<std::uint32_t> job_id;
 };
 
 /// A design between a job source and a result sink. One a process: SystemC elaborates once.
@@ -50,7 +52,8 @@ class simulation {
   scoreboard& board() { return scoreboard_; }
   rtu& unit() { return rtu_; }
 
-  /// Runs until every job has its result. Errors: simulation_error when the watchdog ends it or a check fails.
+  /// Runs until every job has its result.
+  /// Errors: simulation_error when the watchdog ends it or a check fails; input_error for a window that the run does not reach.
   void run();
 
   /// Cycle of the last result, as the papers count.
@@ -59,7 +62,10 @@ class simulation {
   void describe_statistics(config::report& r);
 
  private:
+  void follow_job(std::uint32_t job_id);
+
   const std::vector<job_packet>& jobs_;
+  std::optional<waveform_window> window_;
   clock_domain clock_;
   stream_source<job_packet> source_;
   rtu rtu_;

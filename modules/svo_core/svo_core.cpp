@@ -125,9 +125,9 @@ void svo_core::trace(waveform& w) const {
   w.add(r.stack_size, n + ".stack_idx");
   for (unsigned i = 0; i < 3; ++i) {
     const char axis = "xyz"[i];
-    w.add(r.top.t0[i], n + ".t0" + axis);
-    w.add(r.top.tm[i], n + ".tm" + axis);
-    w.add(r.top.t1[i], n + ".t1" + axis);
+    w.add(r.top.t0[i], n + ".t0" + axis, params_.format.width());
+    w.add(r.top.tm[i], n + ".tm" + axis, params_.format.width());
+    w.add(r.top.t1[i], n + ".t1" + axis, params_.format.width());
   }
   w.add(jobs_, n + ".jobs");
   w.add(hits_, n + ".hits");

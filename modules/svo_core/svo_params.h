@@ -9,8 +9,8 @@
 
 namespace rtusim {
 
-/// The deepest stack a core can be given: 2^31 voxels a side, more than its fixed-point words can tell apart.
-inline constexpr unsigned most_stack_frames = 32;
+/// The deepest stack a core can be given: 2^21 voxels a side.
+inline constexpr unsigned most_stack_frames = 20;
 
 /// States of the traversal core (Espe 2019, sec. 7.2.4 and app. C.4), coded as in its RTL.
 enum class svo_state : std::uint8_t { idle, init, eval, next, push, pop, out };

@@ -24,7 +24,7 @@ clock_domain::clock_domain(const sc_core::sc_module_name& name, double clock_mhz
     : sc_module(name), period_(1.0 / clock_mhz, sc_core::SC_US) {
   current_domain = this;
   SC_HAS_PROCESS(clock_domain);
-  SC_METHOD(run);
+  SC_METHOD(wake_up);
 }
 
 clock_domain::~clock_domain() {
@@ -94,13 +94,30 @@ void clock_domain::record(waveform& w, cycle from, cycle to) {
   record_to_ = to;
 }
 
-void clock_domain::run() {
-  ++stats_.wake_ups;
-  if (stats_.wake_ups == 1) {  // the call at time 0: cycle 0 begins, its edge comes a period later
-    if (recording(0)) waveform_->open(*this);
-    next_trigger(period_);
-    return;
+void clock_domain::start_recording() { record_from_ = next_; }
+
+void clock_domain::stop_recording() { record_to_ = next_; }
+
+void clock_domain::start() {
+  sc_core::sc_start();
+  if (error_) std::rethrow_exception(error_);
+}
+
+void clock_domain::wake_up() {
+  try {
+    if (++stats_.wake_ups > 1) {
+      run_edges();
+    } else {  // the call at time 0: cycle 0 begins, its edge comes a period later
+      if (recording(0)) waveform_->open(*this);
+      next_trigger(period_);
+    }
+  } catch (...) {
+    error_ = std::current_exception();
+    sc_core::sc_stop();
   }
+}
+
+void clock_domain::run_edges() {
   for (unsigned n = 0;; ++n) {
     if (tick_ && ++edges_to_tick_ % 100'000 == 0) tick_();
     edge(next_);
@@ -134,6 +151,7 @@ void clock_domain::edge(cycle c) {
   if (every && !current_) catch_up();
   current_ = every;
   if (pace_ == pace::checked) check_levels();
+  if (every && watcher_) watcher_(c);
   now_ = c;
   next_ = c + 1;
   ++stats_.edges;
@@ -156,7 +174,7 @@ void clock_domain::edge(cycle c) {
   if (every) {
     for (unit* u : units_) u->settle_registers();
     if (recording(next_) && c + 1 != record_from_) waveform_->show(*this);
-    if (waveform_ != nullptr && next_ == record_to_) waveform_->close(*this);
+    if (waveform_ != nullptr && next_ == record_to_) waveform_->close();
   }
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <exception>
 #include <functional>
 #include <string>
 #include <vector>
@@ -56,10 +57,17 @@ class clock_domain : public sc_core::sc_module {
   void set_watchdog(cycle cycles) { watchdog_ = cycles; }
   /// Calls units in another order at every edge, from a seed: which must change nothing.
   void shuffle_units(std::uint32_t seed) { shuffle_ = seed; }
+  /// Runs the simulation to its end. What a unit throws at an edge comes out here as it was thrown.
+  void start();
   /// Ends the simulation behind the edge being done.
   void stop() { stopping_ = true; }
   /// `w` records the cycles [from, to); outside the run goes on at its own pace.
   void record(waveform& w, cycle from, cycle to);
+  /// From within an edge: the recording begins, or has ended, with the cycle behind it.
+  void start_recording();
+  void stop_recording();
+  /// Called before each edge of the paces that step, with the cycle that it closes and all registers as they are in it.
+  void set_watcher(std::function<void(cycle)> watcher) { watcher_ = std::move(watcher); }
   /// Called about every hundred thousand edges.
   void set_progress(std::function<void()> tick) { tick_ = std::move(tick); }
 
@@ -80,7 +88,8 @@ class clock_domain : public sc_core::sc_module {
   void mark_dirty(channel_base& c);
   void start_of_simulation() override;
   void rank_channels();
-  void run();
+  void wake_up();
+  void run_edges();
   void edge(cycle c);
   void fire(channel_base& ch, cycle c);
   void call_units(cycle c);
@@ -103,6 +112,8 @@ class clock_domain : public sc_core::sc_module {
   cycle checked_ = 0;      // cycles whose levels were checked
   std::uint64_t edges_to_tick_ = 0;
   std::function<void()> tick_;
+  std::exception_ptr error_;  // SystemC would wrap what leaves a process
+  std::function<void(cycle)> watcher_;
 
   calendar calendar_;
   std::vector<unit*> units_;

@@ -1,5 +1,7 @@
 #include "modules/timing/waveform.h"
 
+#include <fstream>
+#include <iterator>
 #include <utility>
 
 #include "modules/config/error.h"
@@ -15,6 +17,23 @@ constexpr char axis_letters[] = "xyz";
 template <class T>
 void trace_axes(waveform& w, const std::string& name, const per_axis<T>& values) {
   for (unsigned i = 0; i < 3; ++i) w.add(values[i], name + axis_letters[i]);
+}
+
+/// Blanks the date in SystemC's header, so that the same run gives the same bytes, and sees that the last time stamp, which the
+/// tracer writes without looking, came to the disk.
+void finish_file(const std::filesystem::path& path) {
+  std::fstream file(path, std::ios::in | std::ios::out | std::ios::binary);
+  std::string line;
+  std::getline(file, line);
+  const auto date = file.tellg();
+  std::getline(file, line);
+  file.seekp(date);
+  file << std::string(line.size(), ' ');
+  file.seekg(-24, std::ios::end);
+  std::string tail{std::istreambuf_iterator<char>(file), {}};
+  const auto stamp = tail.rfind("\n#");
+  if (stamp == std::string::npos || tail.back() != '\n' || tail.find_first_not_of("0123456789", stamp + 2) != tail.size() - 1)
+    throw input_error(path.string(), "the waveform could not be written to its end", "room for it on the disk");
 }
 
 }  // namespace
@@ -60,9 +79,10 @@ void waveform::refresh(clock_domain& domain) {
   for (channel_base* ch : domain.channels()) ch->show_levels(domain.next_edge());
 }
 
-void waveform::close(clock_domain&) {
+void waveform::close() {
   if (file_ == nullptr) return;
   sc_core::sc_close_vcd_trace_file(std::exchange(file_, nullptr));
+  finish_file(output_->temporary());
   output_->commit();
 }
 
@@ -88,5 +108,8 @@ void trace_fields(waveform& w, const std::string& name, const traversal_result& 
   w.add(r.normal_sign, name + ".normal_sign");
   w.add(r.cost, name + ".cost");
 }
+
+void trace_fields(waveform& w, const std::string& name, const std::uint32_t& word) { w.add(word, name + ".data"); }
+void trace_fields(waveform& w, const std::string& name, const std::int64_t& word) { w.add(word, name + ".data"); }
 
 }  // namespace rtusim

@@ -43,7 +43,9 @@ class waveform : public sc_core::sc_module {
   /// Shows the coming cycle, after the edge before it.
   void show(clock_domain& domain);
   /// Ends the recording and puts the file in place. Without an open recording there is no file.
-  void close(clock_domain& domain);
+  /// Errors: input_error when the file could not be written to its end.
+  void close();
+  bool recorded() const { return output_ != nullptr; }
 
  private:
   void refresh(clock_domain& domain);
@@ -61,5 +63,7 @@ class waveform : public sc_core::sc_module {
 void trace_fields(waveform& w, const std::string& name, const job_packet& p);
 void trace_fields(waveform& w, const std::string& name, const traversal_job& j);
 void trace_fields(waveform& w, const std::string& name, const traversal_result& r);
+void trace_fields(waveform& w, const std::string& name, const std::uint32_t& word);
+void trace_fields(waveform& w, const std::string& name, const std::int64_t& word);
 
 }  // namespace rtusim

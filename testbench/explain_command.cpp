@@ -1,0 +1,63 @@
+#include "testbench/explain_command.h"
+
+#include <algorithm>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "modules/config/error.h"
+#include "modules/config/schema.h"
+#include "modules/rtu/design.h"
+#include "testbench/scene.h"
+#include "testbench/simulation.h"
+#include "testbench/summary.h"
+
+namespace rtusim {
+namespace {
+
+/// The figures of the statistics file, as a run of one core describes them.
+std::vector<config::report::entry> statistics_entries() {
+  design d;
+  d.rtu.cores = 1;
+  const surroundings around;
+  const std::vector<std::uint32_t> no_image;
+  const std::vector<job_packet> no_jobs;
+  simulation sim(d, around, no_image, no_jobs, pace::skipping);
+  config::report all;
+  all.group("statistics", [&](config::report& r) { sim.describe_statistics(r); });
+  all.group("simulator", [&](config::report& r) { describe_simulator(r, sim.clock().stats(), pace::skipping, 0, 0, 0, 0); });
+  return all.entries();
+}
+
+}  // namespace
+
+std::string explain_text(const std::string& key) {
+  const bool figure = key.rfind("statistics", 0) == 0 || key.rfind("simulator", 0) == 0;
+  std::string text;
+  if (!figure) {
+    design d;
+    surroundings around;
+    scene what;
+    config::schema parameters;
+    d.describe(parameters);
+    around.describe(parameters);
+    what.describe(parameters);
+    text = parameters.explain(key);
+    if (!key.empty()) return text;
+    text += "\nFigures of the statistics file:\n\n";
+  }
+  std::vector<std::string> names;
+  std::string figures;
+  for (const auto& e : statistics_entries()) {
+    names.push_back(e.key);
+    const bool inside = e.key.rfind(key, 0) == 0 && (e.key.size() == key.size() || e.key[key.size()] == '.');
+    if (key.empty() || inside) figures += fmt::format("{}{}\n    {}\n", e.key, e.unit.empty() ? "" : "  [" + e.unit + "]", e.meaning);
+  }
+  if (figures.empty()) {
+    const std::string near = config::nearest(key, names);
+    throw input_error("rtusim explain", "no figure " + key, near.empty() ? "one that 'rtusim explain statistics' lists" : near);
+  }
+  return text + figures;
+}
+
+}  // namespace rtusim

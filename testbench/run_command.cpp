@@ -1,0 +1,147 @@
+#include "testbench/run_command.h"
+
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdio>
+
+#include <fmt/format.h>
+#include <zlib.h>
+
+#include "modules/config/error.h"
+#include "modules/config/files.h"
+#include "modules/config/schema.h"
+#include "modules/rtu/design.h"
+#include "testbench/job_file.h"
+#include "testbench/pictures.h"
+#include "testbench/results_log.h"
+#include "testbench/scene.h"
+#include "testbench/simulation.h"
+#include "testbench/summary.h"
+
+namespace rtusim {
+namespace {
+
+using seconds = std::chrono::duration<double>;
+using wall_clock = std::chrono::steady_clock;
+
+/// All that describes a run: the parameters behind one schema.
+struct setup {
+  design unit;
+  surroundings bench;
+  scene what;
+  config::schema parameters;
+
+  explicit setup(const run_options& o) {
+    unit.describe(parameters);
+    bench.describe(parameters);
+    what.describe(parameters);
+    const auto with_bench = [](std::set<std::string> names) {
+      names.insert(surroundings::sections().begin(), surroundings::sections().end());
+      return names;
+    };
+    if (!o.architecture.empty()) parameters.read_toml(o.architecture, with_bench(design::sections()));
+    if (!o.scene.empty()) {
+      parameters.read_toml(o.scene, with_bench(scene::sections()));
+      // A path in a scene file starts at its folder; one on the command line starts here.
+      if (!what.model.model.empty()) what.model.model = (o.scene.parent_path() / what.model.model).string();
+    }
+    for (const std::string& a : o.assignments) parameters.set(a);
+    if (!o.model.empty()) what.model.model = o.model.string();
+    parameters.check_read();
+    if (what.model.model.empty()) throw input_error("rtusim run", "no model", "a scene file, --model FILE or --set scene.model=FILE");
+  }
+};
+
+std::uint32_t crc32_of(const void* data, std::size_t bytes) {
+  return static_cast<std::uint32_t>(crc32_z(0, static_cast<const Bytef*>(data), bytes));
+}
+
+std::optional<waveform_window> window_of(const run_options& o) {
+  if (o.waveform.empty()) {
+    if (o.waveform_from || o.waveform_to || o.waveform_job) throw input_error("--vcd-from, --vcd-to, --vcd-job", "no --vcd", "--vcd OUT.vcd with it");
+    return {};
+  }
+  waveform_window w;
+  w.file = o.waveform;
+  w.job_id = o.waveform_job;
+  if (o.waveform_job && (o.waveform_from || o.waveform_to)) throw input_error("--vcd-job", "with --vcd-from or --vcd-to", "one or the other");
+  w.from = o.waveform_from.value_or(0);
+  w.to = o.waveform_to ? *o.waveform_to + 1 : never;
+  if (w.from >= w.to) throw input_error("--vcd-to", fmt::format("{}, before --vcd-from {}", *o.waveform_to, w.from), "the last cycle of the window");
+  return w;
+}
+
+/// A line on the terminal that tells how far the run is; nothing in a pipe.
+class progress {
+ public:
+  progress(bool wanted, std::uint64_t rays) : on_(wanted && isatty(STDERR_FILENO) != 0), rays_(rays) {}
+  ~progress() {
+    if (on_) fmt::print(stderr, "\r\033[K");
+  }
+  void show(std::uint64_t done) const {
+    if (on_) fmt::print(stderr, "\r{:3} % of {} rays", 100 * done / rays_, rays_);
+  }
+
+ private:
+  bool on_;
+  std::uint64_t rays_;
+};
+
+}  // namespace
+
+void run(const run_options& o) {
+  const auto start = wall_clock::now();
+  setup s(o);
+  std::vector<picture_kind> kinds;
+  for (const auto& image : o.images) kinds.push_back(kind_of(image));
+  const auto window = window_of(o);
+
+  const svo_image image = load_model(s.what.model.model, s.what.model.resolution, {s.unit.memory_.address_bits, s.unit.svo_core.stack_depth});
+  const std::vector<job_packet> jobs =
+      o.jobs.empty() ? camera_jobs(s.what.view, s.what.picture, s.unit.driver.last_sign_only, 0, 2) : read_jobs(o.jobs);
+  if (!o.save_jobs.empty()) write_jobs(o.save_jobs, jobs);
+  std::optional<frame> picture;
+  if (!o.images.empty()) picture.emplace(s.what.picture, s.unit.fixed_point.fraction_bits);
+  std::optional<results_log> log;
+  if (!o.log.empty()) log.emplace(o.log);
+
+  simulation sim(s.unit, s.bench, image.words, jobs, o.how, window);
+  if (picture || log) {
+    sim.board().on_result([&](cycle c, const traversal_result& r, const ray_waits& waits) {
+      if (picture) picture->store(r, waits.latency_cycles());
+      if (log) log->add(c, r);
+    });
+  }
+  const progress bar(!o.quiet, jobs.size());
+  sim.clock().set_progress([&] { bar.show(sim.board().results()); });
+  const auto begin = wall_clock::now();
+  sim.run();
+  const auto end = wall_clock::now();
+  if (picture && picture->strays() != 0)
+    throw input_error(o.jobs.string(), fmt::format("{} job ids beyond the frame of {} x {}", picture->strays(), picture->width(), picture->height()),
+                      "frame.width and frame.height of the jobs, or no --image");
+
+  if (log) log->commit();
+  for (std::size_t i = 0; i < kinds.size(); ++i) write_picture(o.images[i], *picture, kinds[i]);
+
+  config::report statistics;
+  sim.describe_statistics(statistics);
+  run_record record;
+  record.inputs = {{"scene", o.scene.string()},
+                   {"architecture", o.architecture.string()},
+                   {"model", s.what.model.model},
+                   {"model_words", image.words.size()},
+                   {"model_crc32", fmt::format("{:08x}", crc32_of(image.words.data(), image.words.size() * 4))},
+                   {"jobs", o.jobs.string()},
+                   {"jobs_crc32", fmt::format("{:08x}", crc32_of(jobs.data(), jobs.size() * sizeof(job_packet)))}};
+  record.parameters = s.parameters.values();
+  record.statistics = statistics.values();
+  record.simulator = describe_simulator(sim.clock(), o.how, jobs.size(), seconds(end - begin).count(), seconds(wall_clock::now() - start).count());
+  if (!o.statistics.empty()) write_record(o.statistics, record);
+  if (const auto& c = sim.unit().jobs().statistics().conversion; c.overflows + c.nans != 0 && !o.jobs.empty())
+    fmt::print(stderr, "rtusim: warning: {} parameters of the jobs lie beyond the fixed-point range, {} are no number\n", c.overflows, c.nans);
+  if (!o.quiet) fmt::print("{}", summary_text(record));
+}
+
+}  // namespace rtusim

@@ -1,0 +1,40 @@
+#include "testbench/scene.h"
+
+#include "modules/config/error.h"
+#include "scenes/mesh.h"
+#include "scenes/svo_builder.h"
+#include "scenes/voxeliser.h"
+
+namespace rtusim {
+
+void scene::model_params::describe(config::section& s) {
+  s.text("model", model, "an octree (.svo) or a mesh (.ply, .obj, .stl, .gltf, .bpt; zipped or not); a path in a scene file starts at its folder");
+  s.number("resolution", resolution, {voxel_grid::least_resolution, voxel_grid::most_resolution}, "voxels",
+           "voxels an edge, a power of two, that a mesh is divided into")
+      .when([this] { return !is_octree(model); }, "scene.model is a mesh");
+}
+
+void scene::describe(config::schema& s) {
+  constexpr auto home = "a scene file";
+  s.add("scene", model, home);
+  s.add("frame", picture, home);
+  s.add("camera", view, home);
+}
+
+const std::set<std::string>& scene::sections() {
+  static const std::set<std::string> names{"scene", "frame", "camera"};
+  return names;
+}
+
+bool is_octree(const std::filesystem::path& file) { return file.extension() == ".svo"; }
+
+svo_image load_model(const std::filesystem::path& file, unsigned resolution, const svo_limits& limits) {
+  if (is_octree(file)) return read_svo(file, limits);
+  if (!voxel_grid::is_resolution(resolution))
+    throw input_error("scene.resolution", std::to_string(resolution), fmt::format("a power of two up to {}", voxel_grid::most_resolution));
+  svo_image image = build_svo(voxelise_surface(read_mesh(file), resolution), file.string());
+  check_svo(image, fmt::format("{} at {} voxels an edge", file.string(), resolution), limits);
+  return image;
+}
+
+}  // namespace rtusim

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <filesystem>
+#include <set>
+#include <string>
+
+#include "modules/config/schema.h"
+#include "modules/formats/svo_image.h"
+#include "testbench/camera.h"
+#include "testbench/frame.h"
+
+namespace rtusim {
+
+/// What is traced and from where: a scene file.
+struct scene {
+  struct model_params {
+    std::string model;
+    unsigned resolution = 32;
+    void describe(config::section& s);
+  };
+
+  model_params model;
+  frame::params picture;
+  camera::params view;
+
+  void describe(config::schema& s);
+  static const std::set<std::string>& sections();
+};
+
+/// The octree of a model: an `.svo` as it is; a mesh (see `read_mesh`) as its surface voxels, `resolution` an edge.
+/// Errors: input_error for a file that can't be used, a resolution that is no power of two, an octree beyond `limits`.
+svo_image load_model(const std::filesystem::path& file, unsigned resolution, const svo_limits& limits);
+
+/// Whether the file holds an octree, so that no resolution is asked for.
+bool is_octree(const std::filesystem::path& file);
+
+}  // namespace rtusim

@@ -1,0 +1,118 @@
+#include "testbench/summary.h"
+
+#include <algorithm>
+#include <string_view>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "modules/config/files.h"
+
+namespace rtusim {
+namespace {
+
+using json = nlohmann::ordered_json;
+
+std::string_view pace_word(pace p) {
+  switch (p) {
+    case pace::skipping: return "skipping";
+    case pace::stepped: return "stepped";
+    case pace::checked: break;
+  }
+  return "checked";
+}
+
+double share(const json& part, double whole) { return whole == 0 ? 0 : 100 * part.get<double>() / whole; }
+
+double all_cycles(const json& cycles) {
+  double sum = 0;
+  for (const auto& c : cycles) sum += c.get<double>();
+  return sum;
+}
+
+std::string bar(double percent, unsigned width) {
+  const auto filled = static_cast<std::size_t>(percent / 100 * width + 0.5);
+  return std::string(filled, '#') + std::string(width - std::min<std::size_t>(filled, width), '.');
+}
+
+}  // namespace
+
+void describe_simulator(config::report& r, const clock_stats& stats, pace how, std::uint64_t rays, std::uint64_t cycles, double run_seconds,
+                        double all_seconds) {
+  r.number("pace", pace_word(how), "", "how the run went through the edges");
+  r.number("run_seconds", run_seconds, "s", "wall time of the simulation alone");
+  r.number("all_seconds", all_seconds, "s", "wall time with scene, jobs, pictures and logs");
+  r.number("rays_per_second", static_cast<double>(rays) / run_seconds, "1/s", "rays simulated by wall time");
+  r.number("cycles_per_second", static_cast<double>(cycles) / run_seconds, "1/s", "cycles simulated by wall time");
+  r.number("edges", stats.edges, "edges", "clock edges at which units were called");
+  r.number("unit_edges", stats.unit_edges, "calls", "calls of a unit at an edge");
+  r.number("wake_ups", stats.wake_ups, "calls", "calls of the clock's SystemC process");
+  r.number("edges_per_ray", static_cast<double>(stats.edges) / static_cast<double>(rays), "edges", "edges by rays");
+}
+
+json describe_simulator(const clock_domain& clock, pace how, std::uint64_t rays, double run_seconds, double all_seconds) {
+  config::report r;
+  describe_simulator(r, clock.stats(), how, rays, clock.next_edge(), run_seconds, all_seconds);
+  return r.values();
+}
+
+void write_record(const std::filesystem::path& file, const run_record& record) {
+  const json all{{"format", "rtusim statistics"},      {"version", run_record::version},      {"inputs", record.inputs},
+                 {"parameters", record.parameters}, {"statistics", record.statistics}, {"simulator", record.simulator}};
+  config::output_file out(file);
+  out.write(all.dump(2) + '\n');
+  out.commit();
+}
+
+std::string summary_text(const run_record& record) {
+  const json& s = record.statistics;
+  const json& rtu = record.parameters["rtu"];
+  std::string t;
+  const auto line = [&t](std::string_view format, const auto&... values) { t += fmt::format(fmt::runtime(format), values...) + '\n'; };
+
+  line("{} {} cores at {} MHz, {} on {} words", rtu["cores"].get<unsigned>(), rtu["core"].get<std::string>(), rtu["clock_mhz"].get<double>(),
+       record.inputs["model"].get<std::string>(), record.inputs["model_words"].get<std::uint64_t>());
+  line("{:>14} cycles   {} rays, {} hits ({:.1f} %)", s["total_cycles"].get<std::uint64_t>(), s["rays"].get<std::uint64_t>(),
+       s["hits"].get<std::uint64_t>(), share(s["hits"], s["rays"].get<double>()));
+  line("{:>14.3f} cycles a ray", s["cycles_per_ray"].get<double>());
+  line("{:>14.3f} M rays/s and {:.2f} frames/s at the clock ({:.3f} ms)", s["rays_per_second"].get<double>() / 1e6,
+       s["frames_per_second"].get<double>(), s["seconds"].get<double>() * 1e3);
+  line("");
+
+  const json& latency = s["latency"];
+  line("latency of a ray, cycles: mean {:.1f}, half within {}, 99 % within {}, most {}", latency["mean"].get<double>(),
+       latency["p50"].get<std::uint64_t>(), latency["p99"].get<std::uint64_t>(), latency["most"].get<std::uint64_t>());
+  for (const auto& [name, cycles] : s["waits"].items())
+    line("{:>14} {:8.2f}  {}", name, cycles.get<double>(), bar(share(cycles, latency["mean"].get<double>()), 50));
+  line("");
+
+  line("cores, share of all cycles:  idle   walk    out   jobs");
+  const auto core_line = [&](const std::string& name, const json& core) {
+    const double all = all_cycles(core["cycles"]);
+    const double idle = share(core["cycles"]["idle"], all);
+    const double out = share(core["cycles"]["out"], all);
+    line("{:>27} {:5.1f}% {:5.1f}% {:5.1f}% {:6}", name, idle, 100 - idle - out, out, core["jobs"].get<std::uint64_t>());
+  };
+  core_line("all", s["svo_core"]);
+  const auto cores = rtu["cores"].get<unsigned>();
+  for (unsigned i = 0; i < cores; ++i)
+    if (cores <= 16 || i < 4 || i + 4 >= cores) core_line("core_" + std::to_string(i), s["core_" + std::to_string(i)]);
+  line("");
+
+  line("channels, share of all cycles:  transferred  starved  held back   idle");
+  for (const char* name : {"job", "pending_job", "result"}) {
+    const json& c = s["channels"][name];
+    const double all = all_cycles(c);
+    line("{:>30} {:11.1f}% {:7.1f}% {:9.1f}% {:5.1f}%", name, share(c["transferred"], all), share(c["starved"], all), share(c["held_back"], all),
+         share(c["idle"], all));
+  }
+  line("");
+
+  const json& m = record.simulator;
+  line("simulated in {:.3f} s ({} with everything: {:.3f} s): {:.2f} M rays/s, {:.2f} M cycles/s, {:.2f} edges a ray", m["run_seconds"].get<double>(),
+       m["pace"].get<std::string>(), m["all_seconds"].get<double>(), m["rays_per_second"].get<double>() / 1e6,
+       m["cycles_per_second"].get<double>() / 1e6, m["edges_per_ray"].get<double>());
+  return t;
+}
+
+}  // namespace rtusim

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "modules/config/report.h"
+#include "modules/timing/clock_domain.h"
+
+namespace rtusim {
+
+/// What is kept of a run: a versioned JSON file. All but `simulator` depends on the inputs alone.
+struct run_record {
+  static constexpr int version = 1;
+
+  nlohmann::ordered_json inputs;
+  nlohmann::ordered_json parameters;
+  nlohmann::ordered_json statistics;
+  nlohmann::ordered_json simulator;
+};
+
+/// The simulator's own speed.
+nlohmann::ordered_json describe_simulator(const clock_domain& clock, pace how, std::uint64_t rays, double run_seconds, double all_seconds);
+void describe_simulator(config::report& r, const clock_stats& stats, pace how, std::uint64_t rays, std::uint64_t cycles, double run_seconds,
+                        double all_seconds);
+
+/// Errors: input_error when the file can't be written.
+void write_record(const std::filesystem::path& file, const run_record& record);
+
+/// A page for a person: throughput, where the cycles of a ray went, how busy the cores were, who waits for whom.
+std::string summary_text(const run_record& record);
+
+}  // namespace rtusim
