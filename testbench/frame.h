@@ -1,0 +1,78 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "modules/config/section.h"
+#include "modules/formats/packets.h"
+
+namespace rtusim {
+
+/// What came back for each pixel of a picture, in raster order: pixel y * width + x, row 0 on top.
+class frame {
+ public:
+  /// Every pixel of the largest frame has a job id of its own.
+  static constexpr unsigned most_pixels_a_side = 16384;
+  static_assert(most_pixels_a_side * most_pixels_a_side - 1 <= job_id_mask);
+
+  struct params {
+    unsigned width = 1280;
+    unsigned height = 720;
+    void describe(config::section& s);
+  };
+
+  /// One pixel's result. A pixel that missed keeps its cost, core and latency; its `t_hit` and normal are 0 and none, whatever the
+  /// bus carried.
+  struct pixel {
+    double t_hit = 0;                   ///< ray parameter of the hit, in world units as directions have length 1
+    std::uint64_t latency_cycles = 0;   ///< as told to `store`
+    std::uint32_t cost = 0;             ///< clocks in all states of the core but IDLE and OUT
+    std::uint16_t core = 0;
+    std::int8_t normal_axis = no_axis;  ///< 0, 1, 2 or no_axis
+    std::int8_t normal_sign = 0;        ///< +1 or -1 on that axis, 0 without one
+    bool hit = false;
+    bool arrived = false;               ///< false: no result came for this pixel
+  };
+  static_assert(sizeof(pixel) <= 32);
+
+  /// `fraction_bits`: of the fixed-point t_hit in the results.
+  frame(const params& p, unsigned fraction_bits);
+
+  /// Keeps a result at the pixel that its job id names; a second one for a pixel takes the first one's place.
+  /// False, and counted in `strays`, if the id lies outside the frame.
+  bool store(const traversal_result& r, std::uint64_t latency_cycles) {
+    const std::uint32_t index = r.pixel();
+    if (index >= pixels_.size()) {
+      ++strays_;
+      return false;
+    }
+    pixel& p = pixels_[index];
+    arrived_ += !p.arrived;
+    p.t_hit = r.hit ? static_cast<double>(r.t_hit) * unit_ : 0.0;
+    p.latency_cycles = latency_cycles;
+    p.cost = r.cost;
+    p.core = r.core;
+    p.normal_axis = r.hit ? r.normal_axis : no_axis;
+    p.normal_sign = r.hit ? r.normal_sign : std::int8_t{0};
+    p.hit = r.hit;
+    p.arrived = true;
+    return true;
+  }
+
+  unsigned width() const { return width_; }
+  unsigned height() const { return height_; }
+  const pixel& at(unsigned x, unsigned y) const { return pixels_[std::size_t{y} * width_ + x]; }
+  const std::vector<pixel>& pixels() const { return pixels_; }
+  std::uint64_t arrived() const { return arrived_; }  ///< pixels with a result
+  std::uint64_t strays() const { return strays_; }    ///< results whose id lies outside the frame
+
+ private:
+  unsigned width_;
+  unsigned height_;
+  double unit_;  // the worth of t_hit's last bit
+  std::vector<pixel> pixels_;
+  std::uint64_t arrived_ = 0;
+  std::uint64_t strays_ = 0;
+};
+
+}  // namespace rtusim
