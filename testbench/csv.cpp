@@ -2,12 +2,15 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cstdint>
 
 #include "modules/config/error.h"
 #include "modules/config/files.h"
 
 namespace rtusim {
 namespace {
+
+constexpr std::uint64_t most_bytes = std::uint64_t{1} << 28;  // an empty field of one byte takes sixteen in memory
 
 std::vector<std::string_view> split(std::string_view line) {
   std::vector<std::string_view> fields;
@@ -21,7 +24,7 @@ std::vector<std::string_view> split(std::string_view line) {
 
 }  // namespace
 
-csv_table::csv_table(const std::filesystem::path& file) : file_(file), text_(config::read_file(file)) {
+csv_table::csv_table(const std::filesystem::path& file) : file_(file), text_(config::read_file(file, most_bytes)) {
   std::string_view rest = text_;
   for (std::size_t number = 1; !rest.empty(); ++number) {
     const std::size_t end = rest.find('\n');

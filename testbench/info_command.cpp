@@ -21,8 +21,9 @@ std::string info_text(const std::filesystem::path& file) {
   }
   const mesh m = read_mesh(file);
   const bounding_box box = bounds(m);
-  return fmt::format("mesh\n{:>12} vertices\n{:>12} triangles\nx {:>12.6g} to {:.6g}\ny {:>12.6g} to {:.6g}\nz {:>12.6g} to {:.6g}\n", m.vertices.size(),
-                     m.triangles.size(), box.lower.x, box.upper.x, box.lower.y, box.upper.y, box.lower.z, box.upper.z);
+  return fmt::format(
+      "mesh\n{:>12} vertices\n{:>12} triangles\nx {:>12.6g} to {:.6g}\ny {:>12.6g} to {:.6g}\nz {:>12.6g} to {:.6g}\n",
+      m.vertices.size(), m.triangles.size(), box.lower.x, box.upper.x, box.lower.y, box.upper.y, box.lower.z, box.upper.z);
 }
 
 }  // namespace rtusim

@@ -1,15 +1,22 @@
 #include <algorithm>
+#include <cerrno>
+#include <charconv>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
-#include <map>
+#include <limits>
+#include <new>
+#include <optional>
 #include <string>
+#include <system_error>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <systemc>
 
 #include "modules/config/error.h"
+#include "modules/config/schema.h"
 #include "testbench/explain_command.h"
 #include "testbench/info_command.h"
 #include "testbench/run_command.h"
@@ -26,34 +33,78 @@ constexpr int bad_input = 2;
 /// An error of the user's or of the model's is one line.
 int report(const std::exception& e, int status) {
   std::string text = e.what();
-  std::replace(text.begin(), text.end(), '\n', ' ');
+  std::replace_if(text.begin(), text.end(), [](char c) { return (c >= '\0' && c < ' ') || c == '\x7f'; }, ' ');
   fmt::print(stderr, "rtusim: {}\n", text);
   return status;
 }
 
+/// An option that takes a whole number, in digits alone: CLI11 would wrap -3 and cut what is too large.
+template <class Number>
+void add_number(CLI::App& app, const std::string& name, std::optional<Number>& to, const char* kind, const std::string& meaning) {
+  const auto read = [name, &to](const std::string& text) {
+    Number value{};
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error != std::errc{} || end != text.data() + text.size())
+      throw input_error(name, '"' + text + '"', fmt::format("a whole number from 0 to {}", std::numeric_limits<Number>::max()));
+    to = value;
+  };
+  app.add_option_function<std::string>(name, read, meaning)->type_name(kind);
+}
+
+/// Adds the option for how the clock goes.
+void add_pace(CLI::App& app, pace& to) {
+  const auto read = [&to](const std::string& word) {
+    if (word == "skipping") to = pace::skipping;
+    else if (word == "stepped") to = pace::stepped;
+    else if (word == "checked") to = pace::checked;
+    else throw input_error("--pace", '"' + word + '"', "skipping, stepped or checked");
+  };
+  app.add_option_function<std::string>("--pace", read, "skipping, stepped or checked")->type_name("PACE");
+}
+
 /// Adds what `run` takes to its command.
 void add_run(CLI::App& app, run_options& o) {
-  static const std::map<std::string, pace> paces{{"skipping", pace::skipping}, {"stepped", pace::stepped}, {"checked", pace::checked}};
-  app.add_option("SCENE.toml", o.scene, "what is traced");
-  app.add_option("--arch", o.architecture, "the design, a TOML file");
-  app.add_option("--set", o.assignments, "a parameter, KEY=VALUE; see 'rtusim explain'")->allow_extra_args(false);
-  app.add_option("--model", o.model, "an octree (.svo) or a mesh in place of the scene's");
-  app.add_option("--jobs", o.jobs, "rays as job packets in place of the camera's");
-  app.add_option("--save-jobs", o.save_jobs, "keep the job packets");
-  app.add_option("--pace", o.how, "skipping, stepped or checked")->transform(CLI::CheckedTransformer(paces));
-  app.add_option("--image", o.images, "OUT.png, OUT.cost.png, OUT.depth.png or OUT.exr; may be repeated")->allow_extra_args(false);
-  app.add_option("--stats", o.statistics, "all figures, JSON");
-  app.add_option("--log", o.log, "a line for each result, CSV");
-  app.add_option("--vcd", o.waveform, "a waveform");
-  app.add_option("--vcd-from", o.waveform_from, "its first cycle");
-  app.add_option("--vcd-to", o.waveform_to, "its last cycle");
-  app.add_option("--vcd-job", o.waveform_job, "or the id of the job that it follows");
+  app.add_option("SCENE.toml", o.scene, "what is traced")->type_name("");
+  app.add_option("--arch", o.architecture, "the design, a TOML file")->type_name("FILE");
+  app.add_option("--set", o.assignments, "a parameter; see 'rtusim explain'")->type_name("KEY=VALUE")->allow_extra_args(false);
+  app.add_option("--model", o.model, "an octree (.svo) or a mesh in place of the scene's")->type_name("FILE");
+  app.add_option("--jobs", o.jobs, "rays as job packets in place of the camera's")->type_name("FILE");
+  app.add_option("--save-jobs", o.save_jobs, "keep the job packets")->type_name("FILE");
+  add_pace(app, o.how);
+  app.add_option("--image", o.images, "OUT.png, OUT.cost.png, OUT.depth.png or OUT.exr; may be repeated")
+      ->type_name("FILE")
+      ->allow_extra_args(false);
+  app.add_option("--stats", o.statistics, "all figures, JSON")->type_name("FILE");
+  app.add_option("--log", o.log, "a line for each result, CSV")->type_name("FILE");
+  app.add_option("--vcd", o.waveform, "a waveform")->type_name("FILE");
+  add_number(app, "--vcd-from", o.waveform_from, "CYCLE", "its first cycle");
+  add_number(app, "--vcd-to", o.waveform_to, "CYCLE", "its last cycle");
+  add_number(app, "--vcd-job", o.waveform_job, "ID", "or the id of the job that it follows");
   app.add_flag("--quiet", o.quiet, "no summary");
+  app.footer("Example: rtusim run scenes/dragon.toml --arch testbench/architectures/espe2019.toml --set rtu.cores=8 --image dragon.png");
+}
+
+/// What is wrong with a command line, as far as CLI11 reads it: with the command, and the word that may have been meant.
+input_error usage_error(const CLI::App& app, const CLI::ParseError& e) {
+  const auto given = app.get_subcommands();
+  const auto unknown = app.remaining(true);
+  std::vector<std::string> words;
+  if (given.empty()) {
+    for (const CLI::App* c : app.get_subcommands({})) words.push_back(c->get_name());
+    return {"command", unknown.empty() ? "none" : '"' + unknown.front() + '"', fmt::format("one of {}", fmt::join(words, ", "))};
+  }
+  const CLI::App& command = *given.front();
+  const std::string help = fmt::format("what 'rtusim {} --help' lists", command.get_name());
+  if (unknown.empty()) return {command.get_name(), e.what(), help};
+  for (const CLI::Option* o : command.get_options()) words.push_back(o->get_name());
+  const std::string near = config::nearest(unknown.front(), words);
+  return {command.get_name(), "unknown argument \"" + unknown.front() + '"', near.empty() ? help : near};
 }
 
 int command_line(int argc, char** argv) {
   CLI::App app("rtusim simulates ray tracing hardware to the bit and to the clock cycle", "rtusim");
   app.require_subcommand(1);
+  app.footer("'rtusim COMMAND --help' tells what a command takes, 'rtusim explain' every parameter of a design.");
 
   run_options run_asked;
   auto* const run_app = app.add_subcommand("run", "trace a scene with a design");
@@ -61,44 +112,54 @@ int command_line(int argc, char** argv) {
 
   unit_request unit_asked;
   auto* const unit_app = app.add_subcommand("unit", "one unit alone on raw words");
-  unit_app->add_option("NAME", unit_asked.name, "svo_core or float_to_fixed")->required();
-  unit_app->add_option("--jobs", unit_asked.files.jobs, "input columns, CSV")->required();
-  unit_app->add_option("--out", unit_asked.files.out, "the same columns with the outputs, CSV")->required();
-  unit_app->add_option("--model", unit_asked.files.model, "svo_core: the octree in its memory");
-  unit_app->add_option("--arch", unit_asked.architecture, "the design, a TOML file");
-  unit_app->add_option("--set", unit_asked.assignments, "a parameter, KEY=VALUE")->allow_extra_args(false);
+  unit_app->add_option("NAME", unit_asked.name, "svo_core or float_to_fixed")->required()->type_name("");
+  unit_app->add_option("--jobs", unit_asked.files.jobs, "input columns, CSV")->required()->type_name("FILE");
+  unit_app->add_option("--out", unit_asked.files.out, "the same columns with the outputs, CSV")->required()->type_name("FILE");
+  unit_app->add_option("--model", unit_asked.files.model, "svo_core: the octree in its memory")->type_name("FILE");
+  unit_app->add_option("--arch", unit_asked.architecture, "the design, a TOML file")->type_name("FILE");
+  unit_app->add_option("--set", unit_asked.assignments, "a parameter; see 'rtusim explain'")
+      ->type_name("KEY=VALUE")
+      ->allow_extra_args(false);
 
   std::string info_file;
   auto* const info_app = app.add_subcommand("info", "describe an octree or a mesh");
-  info_app->add_option("FILE", info_file)->required();
+  info_app->add_option("FILE", info_file, "an octree (.svo) or a mesh")->required()->type_name("");
 
   std::string key;
   auto* const explain_app = app.add_subcommand("explain", "every parameter and statistic: unit, range, meaning");
-  explain_app->add_option("KEY", key, "only what begins so");
+  explain_app->add_option("KEY", key, "only what begins so")->type_name("");
+
+  // An empty name is a variable of a script that is not set.
+  const auto not_empty = [](const std::string& value) { return value.empty() ? "an empty value" : ""; };
+  for (CLI::App* command : app.get_subcommands({}))
+    for (CLI::Option* o : command->get_options()) o->check(not_empty);
 
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
     if (e.get_exit_code() == 0) return app.exit(e);
-    return report(std::runtime_error(std::string(e.what()) + "; see rtusim --help"), bad_input);
+    throw usage_error(app, e);
   }
   if (*run_app) run(run_asked);
   if (*unit_app) bench_unit(unit_asked);
   if (*info_app) fmt::print("{}", info_text(info_file));
   if (*explain_app) fmt::print("{}", explain_text(key));
+  if (std::fflush(stdout) != 0) throw std::system_error(errno, std::generic_category(), "standard output");
   return done;
 }
 
 }  // namespace
 
 int sc_main(int argc, char* argv[]) {
-  sc_core::sc_report_handler::set_actions("/OSCI/SystemC", sc_core::SC_INFO, sc_core::SC_DO_NOTHING);
+  sc_core::sc_report_handler::set_actions(sc_core::SC_INFO, sc_core::SC_DO_NOTHING);
   try {
     return command_line(argc, argv);
   } catch (const input_error& e) {
     return report(e, bad_input);
   } catch (const std::bad_alloc&) {
     return report(std::runtime_error("out of memory"), bad_input);
+  } catch (const std::system_error& e) {  // standard output on a full disk, no more threads
+    return report(e, bad_input);
   } catch (const std::exception& e) {
     return report(e, simulation_failed);
   }

@@ -8,7 +8,8 @@
 namespace rtusim {
 
 void scene::model_params::describe(config::section& s) {
-  s.text("model", model, "an octree (.svo) or a mesh (.ply, .obj, .stl, .gltf, .bpt; zipped or not); a path in a scene file starts at its folder");
+  s.text("model", model,
+         "an octree (.svo) or a mesh (.ply, .obj, .stl, .gltf, .bpt; zipped or not); a path in a scene file starts at its folder");
   s.number("resolution", resolution, {voxel_grid::least_resolution, voxel_grid::most_resolution}, "voxels",
            "voxels an edge, a power of two, that a mesh is divided into")
       .when([this] { return !is_octree(model); }, "scene.model is a mesh");
@@ -26,7 +27,9 @@ const std::set<std::string>& scene::sections() {
   return names;
 }
 
-bool is_octree(const std::filesystem::path& file) { return file.extension() == ".svo"; }
+bool is_octree(const std::filesystem::path& file) {
+  return file.extension() == ".svo" || (file.extension() == ".gz" && file.stem().extension() == ".svo");
+}
 
 svo_image load_model(const std::filesystem::path& file, unsigned resolution, const svo_limits& limits) {
   if (is_octree(file)) return read_svo(file, limits);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "modules/config/error.h"
+#include "modules/config/files.h"
 #include "modules/float_to_fixed/float_to_fixed.h"
 #include "modules/formats/svo_image.h"
 #include "modules/svo_core/svo_core.h"
@@ -110,7 +111,8 @@ void bench_float_to_fixed(const design& d, const unit_files& files) {
   table.column("id");
   const auto column = table.column("float_bits");
   std::vector<std::uint32_t> words(table.rows());
-  for (std::size_t row = 0; row < words.size(); ++row) words[row] = static_cast<std::uint32_t>(table.number(row, column, 0, greatest_uint32));
+  for (std::size_t row = 0; row < words.size(); ++row)
+    words[row] = static_cast<std::uint32_t>(table.number(row, column, 0, greatest_uint32));
 
   std::vector<std::vector<std::int64_t>> results;
   if (!words.empty()) {
@@ -136,15 +138,16 @@ void bench_unit(const unit_request& asked) {
   if (!asked.architecture.empty()) parameters.read_toml(asked.architecture, design::sections());
   for (const std::string& a : asked.assignments) parameters.set(a);
   parameters.check_read();
+  config::check_writable(asked.files.out);
   const bool model = !asked.files.model.empty();
   if (asked.name == "svo_core") {
-    if (!model) throw input_error("rtusim unit svo_core", "no --model", "the octree in its memory");
+    if (!model) throw input_error("unit svo_core", "no --model", "the octree in its memory");
     bench_svo_core(d, asked.files);
   } else if (asked.name == "float_to_fixed") {
-    if (model) throw input_error("rtusim unit float_to_fixed", "--model", "no model: it has no memory");
+    if (model) throw input_error("unit float_to_fixed", "--model", "no model: it has no memory");
     bench_float_to_fixed(d, asked.files);
   } else {
-    throw input_error("rtusim unit", asked.name, "svo_core or float_to_fixed");
+    throw input_error("unit", "unknown unit \"" + asked.name + '"', "svo_core or float_to_fixed");
   }
 }
 

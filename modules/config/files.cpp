@@ -99,6 +99,11 @@ std::string read_file(const std::filesystem::path& file, std::uint64_t most_byte
   return starts_gzip(bytes) ? unzip(bytes, file, most_bytes) : bytes;
 }
 
+void check_writable(const std::filesystem::path& file) {
+  std::error_code ignored;
+  if (fs::is_directory(file, ignored) || !is_written_directly(file)) output_file{file};
+}
+
 output_file::output_file(std::filesystem::path file) : file_(std::move(file)), target_(file_), buffer_(std::size_t{1} << 20) {
   const auto refuse = [this](const std::string& found) { throw input_error(file_.string(), found, "to write it"); };
   std::error_code ignored;

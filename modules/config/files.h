@@ -14,6 +14,10 @@ namespace rtusim::config {
 /// Errors: input_error when it is missing, a folder, unreadable, a broken or cut gzip, or larger than `most_bytes`.
 std::string read_file(const std::filesystem::path& file, std::uint64_t most_bytes = std::uint64_t{1} << 31);
 
+/// Sees that a file can be written, before there is something to write. Leaves no trace; a device or a pipe is not touched.
+/// Errors: as `output_file`.
+void check_writable(const std::filesystem::path& file);
+
 /// A file being written: beside its place at first (`.STEM.part-PID.EXT`), renamed into it by `commit`, removed if that never
 /// comes. Buffers generously; never leaves a file half-written. A link is followed; a device or a pipe (`/dev/stdout`) is
 /// written directly, without a rename.

@@ -445,6 +445,13 @@ void schema::refuse_unknown(const assignment& a, const std::set<std::string>* al
   if (!a.value.is_object()) throw input_error(a.place, a.key + " = " + a.shown, fmt::format("keys of the section [{}]", name));
 }
 
+void schema::forget(std::string_view key) {
+  const parameter* p = find(key);
+  RTU_CHECK(p != nullptr, ==, true);
+  store(*p, defaults_.at(p->key));
+  given_.erase(p->key);
+}
+
 void schema::check_read() const {
   for (const auto& s : sections_)
     for (const auto& p : s.parameters()) {

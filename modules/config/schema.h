@@ -48,6 +48,9 @@ class schema {
   /// not a TOML string as it stands.
   void set(std::string_view assignment);
 
+  /// Gives a parameter its default again, as if no file had named it.
+  void forget(std::string_view key);
+
   /// After all values are in: refuses a key that was given by a file or by `set` but that this design does not read.
   void check_read() const;
 
