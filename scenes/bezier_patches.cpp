@@ -1,0 +1,112 @@
+#include "scenes/bezier_patches.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdint>
+#include <system_error>
+
+#include "modules/config/error.h"
+#include "scenes/quotation.h"
+
+namespace rtusim {
+namespace {
+
+// The words of a text, with their lines.
+class word_reader {
+ public:
+  word_reader(std::string_view text, const std::string& place) : text_(text), place_(place) {}
+
+  template <class Number>
+  Number next(const char* what) {
+    const std::string_view word = next_word();
+    if (word.empty()) throw input_error(here(), "the end of the file", what);
+    Number value{};
+    const auto [end, status] = std::from_chars(word.data(), word.data() + word.size(), value);
+    if (status != std::errc{} || end != word.data() + word.size())
+      throw input_error(here(), quotation(word), what);
+    return value;
+  }
+  std::string_view next_word() {
+    constexpr std::string_view blanks = " \t\r\n\v\f";
+    const std::size_t start = std::min(text_.find_first_not_of(blanks, at_), text_.size());
+    line_ += static_cast<std::uint64_t>(std::count(text_.begin() + static_cast<std::ptrdiff_t>(at_),
+                                                   text_.begin() + static_cast<std::ptrdiff_t>(start), '\n'));
+    at_ = std::min(text_.find_first_of(blanks, start), text_.size());
+    return text_.substr(start, at_ - start);
+  }
+  std::string here() const { return fmt::format("{}:{}", place_, line_); }
+
+ private:
+  std::string_view text_;
+  const std::string& place_;
+  std::size_t at_ = 0;
+  std::uint64_t line_ = 1;
+};
+
+// The point of weight `t` between a and b, `s` = 1 - t. Exact at both ends and where a and b are equal; the same when the ends are
+// exchanged along with the weights.
+glm::dvec3 between(const glm::dvec3& a, const glm::dvec3& b, double s, double t) {
+  glm::dvec3 p;
+  for (int k = 0; k < 3; ++k) p[k] = a[k] == b[k] ? a[k] : s * a[k] + t * b[k];
+  return p;
+}
+
+// De Casteljau's algorithm for a cubic.
+glm::dvec3 cubic(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, const glm::dvec3& d, double s, double t) {
+  const glm::dvec3 ab = between(a, b, s, t), bc = between(b, c, s, t), cd = between(c, d, s, t);
+  return between(between(ab, bc, s, t), between(bc, cd, s, t), s, t);
+}
+
+}  // namespace
+
+std::vector<bezier_patch> parse_bpt(std::string_view text, const std::string& place) {
+  word_reader words(text, place);
+  const auto count = words.next<std::uint32_t>("the number of Bezier patches");
+  std::vector<bezier_patch> patches;
+  for (std::uint32_t n = 0; n < count; ++n) {
+    for (int side = 0; side < 2; ++side) {
+      const auto degree = words.next<std::uint32_t>("the degrees of a patch, 3 3");
+      if (degree != 3) throw input_error(words.here(), fmt::format("a patch of degree {}", degree), "bicubic patches, 3 3");
+    }
+    bezier_patch& patch = patches.emplace_back();
+    for (glm::dvec3& point : patch)
+      for (int k = 0; k < 3; ++k) {
+        point[k] = words.next<double>("a coordinate of a control point");
+        if (!std::isfinite(point[k])) throw input_error(words.here(), fmt::format("the coordinate {}", point[k]), "a finite number");
+      }
+  }
+  if (const std::string_view rest = words.next_word(); !rest.empty())
+    throw input_error(words.here(), quotation(rest), fmt::format("the end of the file after {} patches", count));
+  return patches;
+}
+
+mesh tessellate(const std::vector<bezier_patch>& patches, unsigned quads) {
+  RTU_CHECK(quads, >=, 1U);
+  RTU_CHECK(quads, <=, 256U);
+  const unsigned points = quads + 1;
+  mesh m;
+  m.vertices.reserve(patches.size() * points * points);
+  m.triangles.reserve(patches.size() * quads * quads * 2);
+  for (const bezier_patch& p : patches) {
+    const auto first = static_cast<std::uint32_t>(m.vertices.size());
+    for (unsigned i = 0; i < points; ++i)
+      for (unsigned j = 0; j < points; ++j) {
+        const double si = double(quads - i) / quads, ti = double(i) / quads;
+        const double sj = double(quads - j) / quads, tj = double(j) / quads;
+        std::array<glm::dvec3, 4> across;  // the control points of the curve along j
+        for (std::size_t k = 0; k < 4; ++k) across[k] = cubic(p[k], p[4 + k], p[8 + k], p[12 + k], si, ti);
+        const glm::dvec3 v = cubic(across[0], across[1], across[2], across[3], sj, tj);
+        m.vertices.emplace_back(v.x, v.z, v.y);
+      }
+    for (unsigned i = 0; i < quads; ++i)
+      for (unsigned j = 0; j < quads; ++j) {
+        const std::uint32_t a = first + i * points + j, b = a + points, c = b + 1, d = a + 1;
+        m.triangles.push_back({a, b, d});
+        m.triangles.push_back({b, c, d});
+      }
+  }
+  return m;
+}
+
+}  // namespace rtusim

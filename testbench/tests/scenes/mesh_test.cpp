@@ -1,0 +1,424 @@
+#include "scenes/mesh.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include <catch2/catch.hpp>
+#include <glm/geometric.hpp>
+
+#include "modules/config/error.h"
+#include "scenes/bezier_patches.h"
+#include "scenes/polygon.h"
+
+namespace rtusim {
+namespace {
+
+const std::string data = RTUSIM_SOURCE_DIR "/scenes/data/";
+
+// A folder of its own for a test's files.
+class scratch_folder {
+ public:
+  scratch_folder() : path_(std::filesystem::temp_directory_path() / ("rtusim-mesh-" + std::to_string(getpid()))) {
+    std::filesystem::create_directories(path_);
+  }
+  ~scratch_folder() { std::filesystem::remove_all(path_); }
+  std::filesystem::path put(const std::string& name, const std::string& bytes) const {
+    std::ofstream(path_ / name, std::ios::binary) << bytes;
+    return path_ / name;
+  }
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+// The message with which a file is refused, without its folder.
+std::string refusal(const scratch_folder& scratch, const std::string& name, const std::string& bytes) {
+  try {
+    read_mesh(scratch.put(name, bytes));
+  } catch (const input_error& e) {
+    return std::string(e.what()).substr(scratch.path().string().size() + 1);
+  }
+  return "accepted";
+}
+
+template <class Value>
+void append(std::string& bytes, Value value, bool big_endian = false) {
+  std::string raw(reinterpret_cast<const char*>(&value), sizeof value);
+  if (big_endian) raw = std::string(raw.rbegin(), raw.rend());
+  bytes += raw;
+}
+
+// The unit cube: corner i has bit 0 for x, bit 1 for y, bit 2 for z.
+glm::dvec3 corner(int i) { return {i & 1, (i >> 1) & 1, i >> 2}; }
+constexpr int cube_quads[6][4] = {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}};
+
+std::string ply_header(const std::string& format, const std::string& vertices = "8", const std::string& faces = "6") {
+  return "ply\nformat " + format + " 1.0\ncomment made by hand \xc3\xa9\nelement vertex " + vertices +
+         "\nproperty float x\nproperty float y\nproperty float z\nelement face " + faces +
+         "\nproperty list uchar int vertex_indices\nend_header\n";
+}
+
+std::string numbers(const glm::dvec3& p) { return std::to_string(p.x) + ' ' + std::to_string(p.y) + ' ' + std::to_string(p.z) + '\n'; }
+
+std::string text_ply() {
+  std::string s = ply_header("ascii");
+  for (int i = 0; i < 8; ++i) s += numbers(corner(i));
+  for (const auto& q : cube_quads)
+    s += "4 " + std::to_string(q[0]) + ' ' + std::to_string(q[1]) + ' ' + std::to_string(q[2]) + ' ' + std::to_string(q[3]) + '\n';
+  return s;
+}
+
+std::string binary_ply(bool big_endian) {
+  std::string s = ply_header(big_endian ? "binary_big_endian" : "binary_little_endian");
+  for (int i = 0; i < 8; ++i)
+    for (int k = 0; k < 3; ++k) append(s, static_cast<float>(corner(i)[k]), big_endian);
+  for (const auto& q : cube_quads) {
+    append(s, std::uint8_t{4});
+    for (const int i : q) append(s, std::int32_t{i}, big_endian);
+  }
+  return s;
+}
+
+std::string obj() {
+  std::string s = "# a cube\nmtllib none.mtl\n";
+  for (int i = 0; i < 8; ++i) s += "v " + numbers(corner(i));
+  s += "vt 0 0\nvn 0 0 1\np 1\nl 1 2 3\n";
+  for (const auto& q : cube_quads) {
+    s += "f";
+    for (const int i : q) s += ' ' + std::to_string(i + 1) + "/1/1";
+    s += '\n';
+  }
+  return s;
+}
+
+std::string text_stl() {
+  std::string s = "solid cube\n";
+  for (const auto& q : cube_quads)
+    for (int half = 0; half < 2; ++half) {
+      s += "facet normal 0 0 0\nouter loop\n";
+      for (const int i : {q[0], q[1 + half], q[2 + half]})
+        s += "vertex " + numbers(corner(i));
+      s += "endloop\nendfacet\n";
+    }
+  return s + "endsolid cube\n";
+}
+
+std::string binary_stl(std::uint32_t claimed = 12) {
+  std::string s(80, '\0');
+  append(s, claimed);
+  for (const auto& q : cube_quads)
+    for (int half = 0; half < 2; ++half) {
+      for (int k = 0; k < 3; ++k) append(s, 0.0F);
+      for (const int i : {q[0], q[1 + half], q[2 + half]})
+        for (int k = 0; k < 3; ++k) append(s, static_cast<float>(corner(i)[k]));
+      append(s, std::uint16_t{0});
+    }
+  return s;
+}
+
+std::string gltf_buffer() {
+  std::string s;
+  for (int i = 0; i < 8; ++i)
+    for (int k = 0; k < 3; ++k) append(s, static_cast<float>(corner(i)[k]));
+  for (const auto& q : cube_quads)
+    for (int half = 0; half < 2; ++half)
+      for (const int i : {q[0], q[1 + half], q[2 + half]}) append(s, static_cast<std::uint16_t>(i));
+  return s;
+}
+
+// Two nodes: the outer one moves, the inner one doubles.
+std::string gltf_json(const std::string& uri, const std::string& nodes =
+                          R"([{"children":[1],"translation":[1,2,3]},{"mesh":0,"scale":[2,2,2]}])",
+                      const std::string& position_count = "8") {
+  return R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":)" + nodes +
+         R"(,"meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1,"material":77}]}],)"
+         R"("accessors":[{"bufferView":0,"componentType":5126,"count":)" + position_count + R"(,"type":"VEC3"},)"
+         R"({"bufferView":1,"componentType":5123,"count":36,"type":"SCALAR"}],)"
+         R"("bufferViews":[{"buffer":0,"byteLength":96},{"buffer":0,"byteOffset":96,"byteLength":72}],)"
+         R"("buffers":[{"byteLength":168)" + (uri.empty() ? std::string() : R"(,"uri":")" + uri + '"') + "}]}";
+}
+
+std::string glb(std::string json) {
+  json.append((4 - json.size() % 4) % 4, ' ');
+  const std::string buffer = gltf_buffer();
+  std::string s = "glTF";
+  append(s, std::uint32_t{2});
+  append(s, static_cast<std::uint32_t>(12 + 8 + json.size() + 8 + buffer.size()));
+  append(s, static_cast<std::uint32_t>(json.size()));
+  s += "JSON" + json;
+  append(s, static_cast<std::uint32_t>(buffer.size()));
+  return s + std::string("BIN\0", 4) + buffer;
+}
+
+void check_cube(const mesh& m, const glm::dvec3& lower = glm::dvec3(0), double edge = 1) {
+  CHECK(m.vertices.size() == 8);
+  CHECK(m.triangles.size() == 12);
+  CHECK(bounds(m).lower == lower);
+  CHECK(bounds(m).upper == lower + edge);
+  CHECK(bounds(m).half_extent() == edge / 2);
+  double area = 0;
+  for (const auto& t : m.triangles) {
+    const glm::dvec3 &a = m.vertices[t[0]], &b = m.vertices[t[1]], &c = m.vertices[t[2]];
+    area += 0.5 * glm::length(glm::cross(b - a, c - a));
+  }
+  CHECK(area == Approx(6 * edge * edge));
+}
+
+}  // namespace
+
+TEST_CASE("the models of scenes/data", "[mesh]") {
+  const mesh dragon = read_mesh(data + "dragon_res4.ply");
+  CHECK(dragon.vertices.size() == 5205);
+  CHECK(dragon.triangles.size() == 11102);
+  const mesh finer = read_mesh(data + "dragon_res3.ply.gz");
+  CHECK(finer.vertices.size() == 22998);
+  CHECK(finer.triangles.size() == 47794);
+  CHECK(bounds(finer).lower.x == Approx(-0.107673));
+  CHECK(bounds(finer).upper.y == Approx(0.196644));
+  const mesh bunny = read_mesh(data + "bunny.obj");
+  CHECK(bunny.vertices.size() == 1839);
+  CHECK(bunny.triangles.size() == 3674);
+}
+
+TEST_CASE("the teapot of Hanika 2007", "[mesh]") {
+  CHECK(read_mesh(data + "teapot.bpt").triangles.size() == 6320);
+  const mesh coarse = read_mesh(data + "teapot.bpt", 4);
+  CHECK(coarse.triangles.size() == 992);
+  // Upright: it stands on y = 0, the lid's knob at 3.15; spout and handle along x.
+  CHECK(bounds(coarse).lower.y == 0);
+  CHECK(bounds(coarse).upper.y == Approx(3.15));
+  CHECK(bounds(coarse).lower.z == -2);
+  CHECK(bounds(coarse).upper.z == 2);
+}
+
+TEST_CASE("a patch is cut along the slow index first", "[mesh]") {
+  bezier_patch flat;
+  for (int i = 0; i < 4; ++i)
+    for (int j = 0; j < 4; ++j) flat[static_cast<std::size_t>(4 * i + j)] = {i / 3.0, j / 3.0, 5};
+  const mesh m = tessellate({flat}, 2);
+  REQUIRE(m.vertices.size() == 9);
+  REQUIRE(m.triangles.size() == 8);
+  // Vertex 3 i + j; y and z have changed places.
+  CHECK(m.vertices[0] == glm::dvec3(0, 5, 0));
+  CHECK(m.vertices[1].z == Approx(0.5));
+  CHECK(m.vertices[3].x == Approx(0.5));
+  CHECK(m.vertices[8] == glm::dvec3(1, 5, 1));
+  CHECK(m.triangles[0] == std::array<std::uint32_t, 3>{0, 3, 1});
+  CHECK(m.triangles[1] == std::array<std::uint32_t, 3>{3, 4, 1});
+  CHECK(m.triangles[7] == std::array<std::uint32_t, 3>{7, 8, 5});
+}
+
+TEST_CASE("neighbouring patches share their edge's vertices exactly", "[mesh]") {
+  // The second patch runs the other way along the common edge.
+  bezier_patch a, b;
+  for (std::size_t i = 0; i < 4; ++i)
+    for (std::size_t j = 0; j < 4; ++j) {
+      a[4 * i + j] = {0.1 * double(i * i), 0.3 * double(j) + 0.01 * double(i * j), 0.7 / double(1 + i + j)};
+      b[4 * i + j] = {3.0 - 0.1 * double(i), 0.5, 0.2 * double(j)};
+    }
+  for (std::size_t j = 0; j < 4; ++j) b[j] = a[12 + (3 - j)];
+  const unsigned quads = 7;
+  const mesh m = tessellate({a, b}, quads);
+  const std::size_t patch = (quads + 1) * (quads + 1);
+  for (std::size_t j = 0; j <= quads; ++j) CHECK(m.vertices[quads * (quads + 1) + j] == m.vertices[patch + quads - j]);
+}
+
+TEST_CASE("one cube in every format", "[mesh]") {
+  const scratch_folder scratch;
+  check_cube(read_mesh(scratch.put("a.ply", text_ply())));
+  check_cube(read_mesh(scratch.put("b.ply", binary_ply(false))));
+  check_cube(read_mesh(scratch.put("c.PLY", binary_ply(true))));
+  check_cube(read_mesh(scratch.put("a.obj", obj())));
+  check_cube(read_mesh(scratch.put("a.stl", text_stl())));
+  check_cube(read_mesh(scratch.put("b.stl", binary_stl())));
+  scratch.put("cube.bin", gltf_buffer());
+  check_cube(read_mesh(scratch.put("a.gltf", gltf_json("cube.bin"))), {1, 2, 3}, 2);
+  check_cube(read_mesh(scratch.put("a.glb", glb(gltf_json("")))), {1, 2, 3}, 2);
+  const std::string matrix = R"([{"mesh":0,"matrix":[0,3,0,0, -3,0,0,0, 0,0,3,0, 7,8,9,1]}])";
+  check_cube(read_mesh(scratch.put("b.glb", glb(gltf_json("", matrix)))), {4, 8, 9}, 3);
+}
+
+TEST_CASE("polygons become triangles, those without area are left out", "[mesh]") {
+  const scratch_folder scratch;
+  // An L of six corners, and a face whose corners lie on a line.
+  const std::string l = "v 0 0 0\nv 2 0 0\nv 2 1 0\nv 1 1 0\nv 1 2 0\nv 0 2 0\nf 1 2 3 4 5 6\nv 4 0 0\nf 1 2 7\n";
+  const mesh m = read_mesh(scratch.put("l.obj", l));
+  CHECK(m.triangles.size() == 4);
+  double area = 0;
+  for (const auto& t : m.triangles)
+    area += 0.5 * glm::length(glm::cross(m.vertices[t[1]] - m.vertices[t[0]], m.vertices[t[2]] - m.vertices[t[0]]));
+  CHECK(area == Approx(3));
+}
+
+TEST_CASE("concave polygons are covered exactly once", "[mesh]") {
+  const auto area_of = [](const std::vector<glm::dvec3>& corners) {
+    std::vector<std::uint32_t> indices;
+    for (std::uint32_t i = 0; i < corners.size(); ++i) indices.push_back(i);
+    // Triangles that overlap would either exceed the polygon or turn the other way.
+    double area = 0, turned = 0;
+    for (const auto& t : triangulate(corners, indices)) {
+      const double n = 0.5 * glm::cross(corners[t[1]] - corners[t[0]], corners[t[2]] - corners[t[0]]).z;
+      area += n;
+      turned += std::abs(n);
+    }
+    CHECK(turned == Approx(std::abs(area)));
+    return area;
+  };
+  CHECK(area_of({{0, 0, 0}, {2, 0, 0}, {2, 1, 0}, {1, 1, 0}, {1, 2, 0}, {0, 2, 0}}) == 3);
+  CHECK(area_of({{0, 2, 0}, {1, 2, 0}, {1, 1, 0}, {2, 1, 0}, {2, 0, 0}, {0, 0, 0}}) == -3);
+  CHECK(area_of({{0, 0, 0}, {2, 0, 0}, {1, 0.5, 0}, {0, 2, 0}}) == 1.5);               // an arrowhead
+  CHECK(area_of({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {2, 2, 0}, {1, 2, 0}, {0, 2, 0}}) == 4);  // corners along an edge
+  // Stars and combs of many corners.
+  for (const int points : {5, 50, 500}) {
+    std::vector<glm::dvec3> star, comb;
+    double expected = 0;
+    for (int i = 0; i < 2 * points; ++i) {
+      const double angle = 3.141592653589793 * i / points, radius = i % 2 != 0 ? 0.3 : 1;
+      star.emplace_back(radius * std::cos(angle), radius * std::sin(angle), 0.01 * (i % 3));
+    }
+    for (std::size_t i = 0; i < star.size(); ++i) {
+      const glm::dvec3 &a = star[i], &b = star[(i + 1) % star.size()];
+      expected += 0.5 * (a.x * b.y - a.y * b.x);
+    }
+    CHECK(area_of(star) == Approx(expected));
+    for (int i = 0; i < points; ++i) {
+      comb.emplace_back(2 * i, 0, 0);
+      comb.emplace_back(2 * i + 1, 0, 0);
+      comb.emplace_back(2 * i + 1, 10, 0);
+      comb.emplace_back(2 * i + 2, 10, 0);
+    }
+    comb.resize(static_cast<std::size_t>(std::min(4 * points, 998)));
+    comb.emplace_back(comb.back().x, 20, 0);
+    comb.emplace_back(0, 20, 0);
+    double comb_area = 0;
+    for (std::size_t i = 0; i < comb.size(); ++i) {
+      const glm::dvec3 &a = comb[i], &b = comb[(i + 1) % comb.size()];
+      comb_area += 0.5 * (a.x * b.y - a.y * b.x);
+    }
+    CHECK(area_of(comb) == Approx(comb_area));
+  }
+  // A pentagram crosses itself: some triangles over its corners.
+  const std::vector<glm::dvec3> pentagram = {{0, 1, 0}, {0.6, -0.8, 0}, {-1, 0.3, 0}, {1, 0.3, 0}, {-0.6, -0.8, 0}};
+  CHECK(triangulate(pentagram, {0, 1, 2, 3, 4}).size() == 3);
+}
+
+TEST_CASE("bad meshes are refused in one line that names the place", "[mesh]") {
+  using Catch::Matchers::Contains;
+  using Catch::Matchers::StartsWith;
+  const scratch_folder scratch;
+  const auto says = [&](const std::string& name, const std::string& bytes, const std::string& beginning) {
+    const std::string message = refusal(scratch, name, bytes);
+    CHECK_THAT(message, StartsWith(name + beginning));
+    CHECK(message.find('\n') == std::string::npos);
+  };
+  const std::string plane = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+
+  CHECK_THROWS_AS(read_mesh(scratch.path() / "none.ply"), input_error);
+  CHECK_THROWS_AS(read_mesh(scratch.path()), input_error);
+  std::filesystem::create_directory(scratch.path() / "folder.ply");
+  CHECK_THROWS_AS(read_mesh(scratch.path() / "folder.ply"), input_error);
+  says("a.fbx", "x", ": a mesh ending in \".fbx\"");
+  for (const char* name : {"a.ply", "a.obj", "a.stl", "a.gltf", "a.glb", "a.bpt", "a.ply.gz"}) {
+    says(name, "", ": an empty file");
+    CHECK(refusal(scratch, name, "\x1f\x8b garbage \x01\x02\xff\xfe\n\n 1 2 3") != "accepted");
+    CHECK(refusal(scratch, name, "garbage \x01\x02\xff\xfe\n\n 1 2 3") != "accepted");
+  }
+
+  // PLY
+  says("a.ply", "plx\n", ":1: another first line");
+  says("a.ply", ply_header("ebcdic"), ":2: the format \"ebcdic\"");
+  says("a.ply", ply_header("ascii", "-8"), ":4: the number of elements \"-8\"");
+  says("a.ply", ply_header("ascii", "4000000000") + "0 0 0\n", ": 1 of 4000000000 elements \"vertex\"");
+  says("a.ply", ply_header("binary_little_endian", "18446744073709551615"), ": 0 of 18446744073709551615 elements");
+  const std::string ascii = "ply\nformat ascii 1.0\n";
+  says("a.ply", ascii + "element vertex 9999999\nelement face 1\nend_header\n", ": 9999999 elements \"vertex\" without prop");
+  says("a.ply", ascii + "element face 1\nproperty list uchar int vertex_indices\nend_header\n3 0 1 2\n", ": a PLY header that");
+  says("a.ply", ascii + "element vertex 1\nproperty float x\n", ":5: the end of the file");
+  says("a.ply", text_ply().substr(0, text_ply().size() - 4), ":24: an element \"face\" cut short");
+  says("a.ply", binary_ply(false).substr(0, binary_ply(false).size() - 1), ": 5 of 6 elements \"face\"");
+  std::string edited = text_ply();
+  edited.replace(edited.find("4 0 2 3 1"), 9, "4 0 2 3 8");
+  says("a.ply", edited, ": face 0 has vertex 8");
+  edited = text_ply();
+  edited.replace(edited.find("4 0 2 3 1"), 9, "999999999 0 2 3 1");
+  says("a.ply", edited, ":19: an element \"face\" cut short");
+  edited = text_ply();
+  edited.replace(edited.find("1.000000"), 8, "nan");
+  says("a.ply", edited, ": vertex 1 has the coordinate nan");
+
+  // OBJ
+  says("a.obj", plane, ": no faces");
+  says("a.obj", plane + "f 1 2 4\n", ":4: vertex 4");
+  says("a.obj", plane + "f 1 2 0\n", ":4: vertex 0");
+  says("a.obj", plane + "f -1 -2 -4\n", ":4: vertex -4");
+  says("a.obj", plane + "f 1 2", ":4: a face of 2 corners");
+  says("a.obj", plane + "f 1 2 x\n", ":4: the corner \"x\"");
+  says("a.obj", "v 0 0\n" + plane + "f 1 2 3\n", ":1: a vertex cut short");
+  says("a.obj", "v 0 0 1e60\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", ": vertex 0 has the coordinate ");
+  says("a.obj", "v 1 1 1\nv 1 1 1\nv 1 1 1\nf 1 2 3\n", ": a mesh without extent");
+  says("a.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n", ": no face has an area");
+  says("a.obj", plane + "l 1 2 3\np 1\n", ": no faces");
+
+  // STL
+  says("a.stl", binary_stl(13), ": 684 bytes; expected 734");
+  says("a.stl", binary_stl(4'000'000'000), ": 684 bytes");
+  says("a.stl", text_stl().substr(0, 400), ": a text STL that does not end");
+  says("a.stl", "short", ": 5 bytes");
+
+  // glTF
+  says("a.gltf", "{\"asset\":", ": broken JSON at its byte");
+  says("a.gltf", "[1]", ": an array; expected an object");
+  says("a.gltf", R"({"asset":{"version":"1.0"}})", ": asset: version: \"1.0\"");
+  says("a.gltf", R"({"asset":)" + std::string(100'000, '['), ": deeply nested JSON");
+  says("a.gltf", gltf_json("none.bin"), ": ");
+  says("a.gltf", gltf_json("/dev/zero"), ": ");
+  says("a.glb", glb(gltf_json("", R"([{"children":[0]}])")), ": node 0 in a loop");
+  says("a.glb", glb(gltf_json("", R"([{"children":[1]},{"children":[0]}])")), ": node 0 in a loop");
+  says("a.glb", glb(gltf_json("", R"([{"children":[2]},{"children":[2]},{"mesh":0}])")), ": node 2 has two parents");
+  says("a.glb", glb(gltf_json("", R"([{"mesh":1}])")), ": nodes[0]: mesh: 1");
+  says("a.glb", glb(gltf_json("", R"([{"mesh":"x"}])")), ": nodes[0]: mesh: ");
+  says("a.glb", glb(gltf_json("", R"([{"mesh":0}])", "2000000000")), ": more positions and indices");
+  says("a.glb", glb(gltf_json("", R"([{"mesh":0}])", "100000")), ": ");
+  says("a.glb", glb(gltf_json("", "[{}]")), ": no faces");
+  says("a.glb", glb(gltf_json("")).substr(0, 500), ": 500 bytes");
+
+  // Bezier patches
+  says("a.bpt", "x", ":1: \"x\"");
+  says("a.bpt", "0\n", ": no faces");
+  says("a.bpt", "1\n2 3\n", ":2: a patch of degree 2");
+  says("a.bpt", "4000000000\n3 3\n1 2 3\n", ":4: the end of the file");
+  says("a.bpt", "1\n3 3\n1 2 nan\n", ":3: the coordinate nan");
+  std::string patch = "1\n3 3\n";
+  for (int i = 0; i < 16; ++i) patch += "1 2 3\n";
+  says("a.bpt", patch, ": a mesh without extent");
+  says("a.bpt", patch + "4\n", ":19: \"4\"");
+  for (const char* far : {"1e308", "-1e-315"}) {
+    std::string extreme = "1\n3 3\n";
+    for (int i = 0; i < 16; ++i) extreme += i % 2 != 0 ? "0 0 0\n" : std::string(far) + " 0 0\n";
+    says("a.bpt", extreme, ": a half extent of ");
+  }
+}
+
+TEST_CASE("files cut short never crash the reader", "[mesh]") {
+  const scratch_folder scratch;
+  struct sample { const char* name; std::string bytes; };
+  const sample samples[] = {{"a.ply", text_ply()},  {"b.ply", binary_ply(true)}, {"a.obj", obj()},
+                            {"a.stl", text_stl()}, {"b.stl", binary_stl()},     {"a.glb", glb(gltf_json(""))}};
+  for (const sample& s : samples) {
+    unsigned refused = 0;
+    for (std::size_t bytes = 0; bytes < s.bytes.size(); bytes += 11)
+      if (refusal(scratch, s.name, s.bytes.substr(0, bytes)) != "accepted") ++refused;
+    CHECK(refused > 0);
+  }
+}
+
+}  // namespace rtusim
