@@ -55,7 +55,7 @@ std::string explain_text(const std::string& key) {
   }
   if (figures.empty()) {
     const std::string near = config::nearest(key, names);
-    throw input_error("rtusim explain", "no figure " + key, near.empty() ? "one that 'rtusim explain statistics' lists" : near);
+    throw input_error("explain", "no figure " + key, near.empty() ? "one that 'rtusim explain statistics' lists" : near);
   }
   return text + figures;
 }

@@ -4,6 +4,8 @@
 
 #include <chrono>
 #include <cstdio>
+#include <set>
+#include <vector>
 
 #include <fmt/format.h>
 #include <zlib.h>
@@ -46,10 +48,12 @@ struct setup {
       // A path in a scene file starts at its folder; one on the command line starts here.
       if (!what.model.model.empty()) what.model.model = (o.scene.parent_path() / what.model.model).string();
     }
+    // An octree in place of the scene's mesh leaves nothing to divide into voxels.
+    if (is_octree(o.model)) parameters.forget("scene.resolution");
     for (const std::string& a : o.assignments) parameters.set(a);
     if (!o.model.empty()) what.model.model = o.model.string();
     parameters.check_read();
-    if (what.model.model.empty()) throw input_error("rtusim run", "no model", "a scene file, --model FILE or --set scene.model=FILE");
+    if (what.model.model.empty()) throw input_error("run", "no model", "a scene file, --model FILE or --set scene.model=FILE");
   }
 };
 
@@ -59,17 +63,34 @@ std::uint32_t crc32_of(const void* data, std::size_t bytes) {
 
 std::optional<waveform_window> window_of(const run_options& o) {
   if (o.waveform.empty()) {
-    if (o.waveform_from || o.waveform_to || o.waveform_job) throw input_error("--vcd-from, --vcd-to, --vcd-job", "no --vcd", "--vcd OUT.vcd with it");
+    if (o.waveform_from || o.waveform_to || o.waveform_job)
+      throw input_error("--vcd-from, --vcd-to, --vcd-job", "no --vcd", "--vcd OUT.vcd with it");
     return {};
   }
   waveform_window w;
   w.file = o.waveform;
   w.job_id = o.waveform_job;
-  if (o.waveform_job && (o.waveform_from || o.waveform_to)) throw input_error("--vcd-job", "with --vcd-from or --vcd-to", "one or the other");
+  if (o.waveform_job && (o.waveform_from || o.waveform_to))
+    throw input_error("--vcd-job", "with --vcd-from or --vcd-to", "one or the other");
   w.from = o.waveform_from.value_or(0);
-  w.to = o.waveform_to ? *o.waveform_to + 1 : never;
-  if (w.from >= w.to) throw input_error("--vcd-to", fmt::format("{}, before --vcd-from {}", *o.waveform_to, w.from), "the last cycle of the window");
+  w.to = o.waveform_to.value_or(never) == never ? never : *o.waveform_to + 1;
+  if (o.waveform_to && *o.waveform_to < w.from)
+    throw input_error("--vcd-to", fmt::format("{}, before --vcd-from {}", *o.waveform_to, w.from), "the last cycle of the window");
   return w;
+}
+
+/// Sees before the run that each output can be written, and to a file of its own.
+void check_outputs(const run_options& o) {
+  std::vector<std::filesystem::path> outputs{o.save_jobs, o.statistics, o.log, o.waveform};
+  outputs.insert(outputs.end(), o.images.begin(), o.images.end());
+  std::set<std::filesystem::path> seen;
+  for (const auto& file : outputs) {
+    if (file.empty()) continue;
+    config::check_writable(file);
+    const bool is_new = !std::filesystem::exists(file) || std::filesystem::is_regular_file(file);
+    if (is_new && !seen.insert(std::filesystem::weakly_canonical(std::filesystem::absolute(file))).second)
+      throw input_error(file.string(), "two outputs of this name", "a file for each");
+  }
 }
 
 /// A line on the terminal that tells how far the run is; nothing in a pipe.
@@ -96,8 +117,10 @@ void run(const run_options& o) {
   std::vector<picture_kind> kinds;
   for (const auto& image : o.images) kinds.push_back(kind_of(image));
   const auto window = window_of(o);
+  check_outputs(o);
 
-  const svo_image image = load_model(s.what.model.model, s.what.model.resolution, {s.unit.memory_.address_bits, s.unit.svo_core.stack_depth});
+  const svo_limits limits{s.unit.memory_.address_bits, s.unit.svo_core.stack_depth};
+  const svo_image image = load_model(s.what.model.model, s.what.model.resolution, limits);
   const std::vector<job_packet> jobs =
       o.jobs.empty() ? camera_jobs(s.what.view, s.what.picture, s.unit.driver.last_sign_only, 0, 2) : read_jobs(o.jobs);
   if (!o.save_jobs.empty()) write_jobs(o.save_jobs, jobs);
@@ -119,7 +142,8 @@ void run(const run_options& o) {
   sim.run();
   const auto end = wall_clock::now();
   if (picture && picture->strays() != 0)
-    throw input_error(o.jobs.string(), fmt::format("{} job ids beyond the frame of {} x {}", picture->strays(), picture->width(), picture->height()),
+    throw input_error(o.jobs.string(),
+                      fmt::format("{} job ids beyond the frame of {} x {}", picture->strays(), picture->width(), picture->height()),
                       "frame.width and frame.height of the jobs, or no --image");
 
   if (log) log->commit();
@@ -137,10 +161,12 @@ void run(const run_options& o) {
                    {"jobs_crc32", fmt::format("{:08x}", crc32_of(jobs.data(), jobs.size() * sizeof(job_packet)))}};
   record.parameters = s.parameters.values();
   record.statistics = statistics.values();
-  record.simulator = describe_simulator(sim.clock(), o.how, jobs.size(), seconds(end - begin).count(), seconds(wall_clock::now() - start).count());
+  record.simulator = describe_simulator(sim.clock(), o.how, jobs.size(), seconds(end - begin).count(),
+                                        seconds(wall_clock::now() - start).count());
   if (!o.statistics.empty()) write_record(o.statistics, record);
   if (const auto& c = sim.unit().jobs().statistics().conversion; c.overflows + c.nans != 0 && !o.jobs.empty())
-    fmt::print(stderr, "rtusim: warning: {} parameters of the jobs lie beyond the fixed-point range, {} are no number\n", c.overflows, c.nans);
+    fmt::print(stderr, "rtusim: warning: {} parameters of the jobs lie beyond the fixed-point range, {} are no number\n", c.overflows,
+               c.nans);
   if (!o.quiet) fmt::print("{}", summary_text(record));
 }
 
