@@ -137,7 +137,7 @@ void run(const run_options& o) {
     });
   }
   const progress bar(!o.quiet, jobs.size());
-  sim.clock().set_progress([&] { bar.show(sim.board().results()); });
+  sim.clock().set_progress([&] { bar.show(sim.board().figures().rays); });
   const auto begin = wall_clock::now();
   sim.run();
   const auto end = wall_clock::now();
@@ -150,7 +150,7 @@ void run(const run_options& o) {
   for (std::size_t i = 0; i < kinds.size(); ++i) write_picture(o.images[i], *picture, kinds[i]);
 
   config::report statistics;
-  sim.describe_statistics(statistics);
+  sim.figures().describe(statistics);
   run_record record;
   record.inputs = {{"scene", o.scene.string()},
                    {"architecture", o.architecture.string()},

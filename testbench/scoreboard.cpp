@@ -28,7 +28,7 @@ void scoreboard::transferred(unsigned, cycle c, const job_packet& p) {
   }
   in_flight(accepted_++) = {p.job_word, 0, c, never, never};
   if (accepted_handler_) accepted_handler_(accepted_ - 1);
-  last_accepted_ = c;
+  figures_.last_accepted = c;
 }
 
 void scoreboard::transferred(unsigned which, cycle c, const traversal_job& j) {
@@ -68,36 +68,16 @@ void scoreboard::arrived(cycle c, const traversal_result& r) {
   const ray_waits waits{job_manager::stages, f.dispatched - converted, r.cost + std::uint64_t{1}, f.buffered - walked, c - f.buffered};
   RTU_CHECK(waits.latency_cycles(), ==, c - f.accepted);
 
-  ++results_;
-  hits_ += r.hit;
-  cost_sum_ += r.cost;
-  last_result_ = c;
-  waits_ += waits;
-  latency_.add(waits.latency_cycles());
-  cost_.add(r.cost);
-  const auto mix = [this](std::uint64_t word) { checksum_ = (checksum_ ^ word) * 1099511628211u; };
-  mix(r.job_word);
-  mix(r.hit);
-  mix(r.cost);
-  mix(c);
-  if (r.hit) mix(static_cast<std::uint32_t>(r.t_hit));
+  figures_.count(c, r, waits.latency_cycles());
+  figures_.waits += waits;
   if (handler_) handler_(c, r, waits);
   if (left_handler_) left_handler_(r.sequence);
 }
 
 void scoreboard::check_complete(std::uint64_t jobs) const {
   RTU_CHECK(static_cast<std::uint64_t>(accepted_), ==, jobs);
-  RTU_CHECK(results_, ==, jobs);
+  RTU_CHECK(figures_.rays, ==, jobs);
   for (const flight& f : flights_) RTU_CHECK(f.accepted, ==, never);
-}
-
-ray_waits& ray_waits::operator+=(const ray_waits& w) {
-  conversion_cycles += w.conversion_cycles;
-  dispatch_cycles += w.dispatch_cycles;
-  traversal_cycles += w.traversal_cycles;
-  buffer_cycles += w.buffer_cycles;
-  result_cycles += w.result_cycles;
-  return *this;
 }
 
 void ray_waits::describe(config::report& r, double rays) const {

@@ -21,8 +21,45 @@ struct ray_waits {
   std::uint64_t result_cycles = 0;      ///< in the result buffer, until the result leaves
 
   std::uint64_t latency_cycles() const { return conversion_cycles + dispatch_cycles + traversal_cycles + buffer_cycles + result_cycles; }
-  ray_waits& operator+=(const ray_waits& w);
+  ray_waits& operator+=(const ray_waits& w) {
+    conversion_cycles += w.conversion_cycles;
+    dispatch_cycles += w.dispatch_cycles;
+    traversal_cycles += w.traversal_cycles;
+    buffer_cycles += w.buffer_cycles;
+    result_cycles += w.result_cycles;
+    return *this;
+  }
   void describe(config::report& r, double rays) const;
+};
+
+/// What the results of a run come to.
+struct result_figures {
+  std::uint64_t rays = 0;
+  std::uint64_t hits = 0;
+  cycle last_result = 0;
+  cycle last_accepted = 0;
+  ray_waits waits;
+  histogram latency;
+  histogram cost;
+  /// Of `testbench/golden`: over job word, hit, cost, cycle and the t of hits, in the order of leaving.
+  std::uint64_t checksum = 1469598103934665603u;
+
+  /// A result leaves in cycle c. Its waits are the caller's to add.
+  void count(cycle c, const traversal_result& r, std::uint64_t latency_cycles) {
+    ++rays;
+    hits += r.hit;
+    last_result = c;
+    latency.add(latency_cycles);
+    cost.add(r.cost);
+    mix(r.job_word);
+    mix(r.hit);
+    mix(r.cost);
+    mix(c);
+    if (r.hit) mix(static_cast<std::uint32_t>(r.t_hit));
+  }
+
+ private:
+  void mix(std::uint64_t word) { checksum = (checksum ^ word) * 1099511628211u; }
 };
 
 /// Watches an RTU's channels: that each job comes to one result, in order where order is promised, and how long each part took.
@@ -42,17 +79,7 @@ class scoreboard : channel_observer<job_packet>, channel_observer<traversal_job>
   /// At the end: every job has its result.
   void check_complete(std::uint64_t jobs) const;
 
-  std::uint64_t results() const { return results_; }
-  std::uint64_t hits() const { return hits_; }
-  /// Cycles of the last result and of the last accepted job.
-  cycle last_result() const { return last_result_; }
-  cycle last_accepted() const { return last_accepted_; }
-  const ray_waits& waits() const { return waits_; }
-  const histogram& latency() const { return latency_; }
-  const histogram& cost() const { return cost_; }
-  std::uint64_t cost_sum() const { return cost_sum_; }
-  /// The checksum of `testbench/golden`: over job word, hit, cost, cycle and the t of hits, in order.
-  std::uint64_t checksum() const { return checksum_; }
+  const result_figures& figures() const { return figures_; }
 
  private:
   struct flight {
@@ -72,15 +99,7 @@ class scoreboard : channel_observer<job_packet>, channel_observer<traversal_job>
   std::vector<flight> flights_;  // ring by sequence
   std::uint32_t accepted_ = 0;
   std::uint32_t dispatched_ = 0;
-  std::uint64_t results_ = 0;
-  std::uint64_t hits_ = 0;
-  std::uint64_t cost_sum_ = 0;
-  cycle last_result_ = 0;
-  cycle last_accepted_ = 0;
-  ray_waits waits_;
-  histogram latency_;
-  histogram cost_;
-  std::uint64_t checksum_ = 1469598103934665603u;
+  result_figures figures_;
   result_handler handler_;
   std::function<void(std::uint32_t)> accepted_handler_;
   std::function<void(std::uint32_t)> left_handler_;

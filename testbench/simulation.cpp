@@ -21,6 +21,7 @@ simulation::simulation(const design& d, const surroundings& s, const std::vector
                        pace p, const std::optional<waveform_window>& window)
     : jobs_(jobs),
       window_(window),
+      clock_mhz_(d.rtu.clock_mhz),
       clock_("clock_domain", d.rtu.clock_mhz),
       source_("source", s.source, jobs),
       rtu_("rtu", d, image),
@@ -33,7 +34,7 @@ simulation::simulation(const design& d, const surroundings& s, const std::vector
   clock_.set_pace(p);
   clock_.set_watchdog(s.watchdog_cycles);
   if (window) {
-    waveform_ = std::make_unique<waveform>("waveform", window->file);
+    waveform_ = std::make_unique<waveform>("waveform", window->file, d.fixed_point.width());
     if (window->job_id)
       follow_job(*window->job_id);
     else
@@ -65,27 +66,14 @@ void simulation::run() {
   scoreboard_.check_complete(jobs_.size());
 }
 
-void simulation::describe_statistics(config::report& r) {
-  const auto rays = static_cast<double>(scoreboard_.results());
-  const auto cycles = static_cast<double>(total_cycles());
-  const double hz = 1e6 / (clock_.period().to_seconds() * 1e6);
-  r.number("total_cycles", total_cycles(), "cycles", "cycle of the last result; cycle 0 accepts the first job");
-  r.number("last_accept_cycle", scoreboard_.last_accepted(), "cycles", "cycle that accepts the last job");
-  r.number("rays", scoreboard_.results(), "rays", "jobs, each with its result");
-  r.number("hits", scoreboard_.hits(), "rays", "rays that hit");
-  r.number("cycles_per_ray", cycles / rays, "cycles", "total cycles by rays");
-  r.number("rays_per_cycle", rays / cycles, "rays", "rays by total cycles");
-  r.number("seconds", cycles / hz, "s", "total cycles at the clock");
-  r.number("rays_per_second", rays * hz / cycles, "1/s", "rays at the clock");
-  r.number("frames_per_second", hz / cycles, "1/s", "runs like this one at the clock");
-  r.number("checksum", fmt::format("{:016x}", scoreboard_.checksum()), "", "over job word, hit, cost, cycle and t of all results, in order");
-  r.group("latency", [this](config::report& g) { scoreboard_.latency().describe(g, "cycles"); });
-  r.group("cost", [this](config::report& g) { scoreboard_.cost().describe(g, "cycles"); });
-  r.group("waits", [&](config::report& g) { scoreboard_.waits().describe(g, rays); });
-  rtu_.describe_statistics(r);
-  r.group("channels", [this](config::report& g) {
-    for (channel_base* ch : clock_.channels()) g.group(ch->basename(), [ch](config::report& c) { ch->stats().describe(c); });
-  });
+run_figures simulation::figures() {
+  run_figures f;
+  f.clock_mhz = clock_mhz_;
+  f.results = scoreboard_.figures();
+  f.jobs = rtu_.jobs().statistics();
+  for (auto& core : rtu_.cores()) f.cores.push_back(core.statistics());
+  for (channel_base* ch : clock_.channels()) f.channels.emplace_back(ch->basename(), ch->stats());
+  return f;
 }
 
 }  // namespace rtusim

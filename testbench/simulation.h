@@ -11,6 +11,7 @@
 #include "modules/rtu/rtu.h"
 #include "modules/timing/clock_domain.h"
 #include "modules/timing/waveform.h"
+#include "testbench/run_figures.h"
 #include "testbench/scoreboard.h"
 #include "testbench/stream.h"
 
@@ -57,15 +58,15 @@ class simulation {
   void run();
 
   /// Cycle of the last result, as the papers count.
-  cycle total_cycles() const { return scoreboard_.last_result(); }
-  /// All figures of the run that the design determines.
-  void describe_statistics(config::report& r);
+  cycle total_cycles() const { return scoreboard_.figures().last_result; }
+  run_figures figures();
 
  private:
   void follow_job(std::uint32_t job_id);
 
   const std::vector<job_packet>& jobs_;
   std::optional<waveform_window> window_;
+  double clock_mhz_;
   clock_domain clock_;
   stream_source<job_packet> source_;
   rtu rtu_;

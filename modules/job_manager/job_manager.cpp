@@ -4,15 +4,20 @@ namespace rtusim {
 
 job_manager::job_manager(const sc_core::sc_module_name& name, const params& p) : pipeline_unit(name), params_(p) {}
 
-traversal_job job_manager::process(const job_packet& packet) {
+traversal_job convert(const job_packet& packet, const job_manager::params& p, numeric::float_to_fixed_stats& stats) {
   traversal_job job;
   job.job_word = packet.job_word;
   job.address = packet.address;
-  job.sequence = static_cast<std::uint32_t>(stats_.jobs++);
   for (unsigned i = 0; i < 3; ++i) {
-    job.t0[i] = numeric::float_to_fixed(packet.t0[i], params_.format, params_.conversion, stats_.conversion);
-    job.t1[i] = numeric::float_to_fixed(packet.t1[i], params_.format, params_.conversion, stats_.conversion);
+    job.t0[i] = numeric::float_to_fixed(packet.t0[i], p.format, p.conversion, stats);
+    job.t1[i] = numeric::float_to_fixed(packet.t1[i], p.format, p.conversion, stats);
   }
+  return job;
+}
+
+traversal_job job_manager::process(const job_packet& packet) {
+  traversal_job job = convert(packet, params_, stats_.conversion);
+  job.sequence = static_cast<std::uint32_t>(stats_.jobs++);
   return job;
 }
 

@@ -37,4 +37,7 @@ class job_manager : public pipeline_unit<job_packet, traversal_job, 1 + numeric:
   stats stats_;
 };
 
+/// What a job becomes in the job manager; its `sequence` is left 0.
+traversal_job convert(const job_packet& packet, const job_manager::params& p, numeric::float_to_fixed_stats& stats);
+
 }  // namespace rtusim

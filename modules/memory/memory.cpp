@@ -5,9 +5,12 @@
 namespace rtusim {
 
 memory::memory(const sc_core::sc_module_name& name, const params& p, const std::vector<std::uint32_t>& image)
-    : sc_module(name),
-      words_{image.data(), static_cast<std::uint32_t>(std::min<std::uint64_t>(image.size(), std::uint64_t{1} << p.address_bits)),
-             static_cast<std::uint32_t>((std::uint64_t{1} << p.address_bits) - 1)} {}
+    : sc_module(name), words_(view_of(image, p)) {}
+
+word_view view_of(const std::vector<std::uint32_t>& image, const memory::params& p) {
+  const std::uint64_t words = std::uint64_t{1} << p.address_bits;
+  return {image.data(), static_cast<std::uint32_t>(std::min<std::uint64_t>(image.size(), words)), static_cast<std::uint32_t>(words - 1)};
+}
 
 void memory::params::describe(config::section& s) {
   s.choice("kind", which, kind_words(), "lut: distributed RAM with a port for each core, no waiting");

@@ -31,7 +31,7 @@ class memory : public sc_core::sc_module, public memory_interface {
     void describe(config::section& s);
   };
 
-  /// `image` must outlive the memory; words behind its end read 0.
+  /// `image` must outlive the memory.
   memory(const sc_core::sc_module_name& name, const params& p, const std::vector<std::uint32_t>& image);
 
   word_view words() const override { return words_; }
@@ -39,5 +39,8 @@ class memory : public sc_core::sc_module, public memory_interface {
  private:
   word_view words_;
 };
+
+/// An image as a memory of these parameters holds it: words behind its end read 0, a longer one is cut.
+word_view view_of(const std::vector<std::uint32_t>& image, const memory::params& p);
 
 }  // namespace rtusim

@@ -42,6 +42,14 @@ void float_to_fixed_errata::describe(config::section& s) {
   s.erratum("odd_exponent_lsb", odd_exponent_lsb, "positive odd exponents clear the magnitude's bit 0", "exact truncation toward zero");
 }
 
+float_to_fixed_stats& float_to_fixed_stats::operator+=(const float_to_fixed_stats& s) {
+  conversions += s.conversions;
+  overflows += s.overflows;
+  nans += s.nans;
+  flushed += s.flushed;
+  return *this;
+}
+
 void float_to_fixed_stats::describe(config::report& r) const {
   r.number("conversions", conversions, "words", "binary32 words converted to fixed point");
   r.number("overflows", overflows, "words", "magnitudes beyond the fixed-point range, infinities among them");

@@ -27,6 +27,7 @@ struct float_to_fixed_stats {
   std::uint64_t nans = 0;
   std::uint64_t flushed = 0;    ///< non-zero values that became zero because they are small
 
+  float_to_fixed_stats& operator+=(const float_to_fixed_stats& s);
   void describe(config::report& r) const;
 };
 

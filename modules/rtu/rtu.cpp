@@ -27,13 +27,4 @@ rtu::rtu(const sc_core::sc_module_name& name, const design& d, const std::vector
   result_manager_.result_out(result_out);
 }
 
-void rtu::describe_statistics(config::report& r) {
-  r.group("job_manager", [this](config::report& g) { job_manager_.statistics().describe(g); });
-  svo_core::stats all;
-  for (auto& core : cores_) all += core.statistics();
-  r.group("svo_core", [&](config::report& g) { all.describe(g); });
-  for (auto& core : cores_)
-    r.group(core.basename(), [&](config::report& g) { core.statistics().describe(g); });
-}
-
 }  // namespace rtusim

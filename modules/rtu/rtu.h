@@ -31,8 +31,6 @@ class rtu : public sc_core::sc_module {
   sc_core::sc_vector<channel<traversal_job>>& core_jobs() { return core_job_; }
   sc_core::sc_vector<channel<traversal_result>>& core_results() { return core_result_; }
 
-  void describe_statistics(config::report& r);
-
  private:
   job_manager job_manager_;
   scheduler scheduler_;

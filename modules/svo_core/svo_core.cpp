@@ -27,10 +27,7 @@ void svo_core::accept(const traversal_job& job) {
   outcome_before_ = outcome_;
   bus_before_ = bus_;
   outcome_ = walk_(job, memory_);
-  if (outcome_.overflow)
-    throw simulation_error(fmt::format("{}: the stack of {} frames overflows on job {} (word {:#x}), accepted in cycle {}: "
-                                       "set svo_core.stack_depth to the model's depth",
-                                       name(), params_.stack_depth, job.sequence, job.job_word, now()));
+  if (outcome_.overflow) throw svo_stack_overflow(name(), params_.stack_depth, job.sequence, job.job_word, now());
   bus_.take(outcome_, job.direction_bits(), params_);
   result_.job_word = job.job_word;
   result_.cost = outcome_.cost;
@@ -118,6 +115,7 @@ void svo_core::trace(waveform& w) const {
   const auto& r = machine_.now();
   w.add(r.state, n + ".state", 3);
   w.add(r.cost, n + ".cost");
+  w.add(r.job_word, n + ".job_word");
   w.add(r.top.entry, n + ".entry_idx");
   w.add(r.address, n + ".mem_addr");
   w.add(shown_data_, n + ".mem_data");

@@ -170,18 +170,26 @@ svo_visits& svo_visits::operator+=(const svo_visits& v) {
   return *this;
 }
 
-svo_visits visits_of(const svo_outcome& o) {
+svo_visits visits_of(const svo_outcome& o) { return visits_of_sums(1, o.cost, o.pushes, o.depth, !o.hit && o.cost > 2 ? 1 : 0); }
+
+svo_visits visits_of_sums(std::uint64_t rays, std::uint64_t cost, std::uint64_t pushes, std::uint64_t depth, std::uint64_t ends) {
   // Every PUSH leads to an INIT, every INIT to an EVAL; a NEXT leads to an EVAL, to a POP (which leads to a NEXT), or to the end.
   svo_visits v;
-  v.push = o.pushes;
-  v.pop = o.pushes - o.depth;
-  v.init = v.push + 1;
-  const std::uint64_t left = o.cost - v.push - v.pop - v.init;   // EVAL and NEXT
-  const std::uint64_t end = !o.hit && o.cost > 2 ? 1 : 0;        // the NEXT that leaves the root
-  const std::uint64_t advances = (left - v.init - v.pop - end) / 2;
+  v.push = pushes;
+  v.pop = pushes - depth;
+  v.init = pushes + rays;
+  const std::uint64_t left = cost - v.push - v.pop - v.init;  // EVAL and NEXT
+  const std::uint64_t advances = (left - v.init - v.pop - ends) / 2;
   v.eval = v.init + advances;
   v.next = left - v.eval;
   return v;
+}
+
+simulation_error svo_stack_overflow(const std::string& core, unsigned stack_depth, std::uint32_t sequence, std::uint32_t job_word,
+                                    std::uint64_t cycle) {
+  return simulation_error(fmt::format("{}: the stack of {} frames overflows on job {} (word {:#x}), accepted in cycle {}: "
+                                      "set svo_core.stack_depth to the model's depth",
+                                      core, stack_depth, sequence, job_word, cycle));
 }
 
 void svo_result_registers::take(const svo_outcome& o, unsigned direction_bits, const svo_core_params& p) {

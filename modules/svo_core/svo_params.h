@@ -1,8 +1,10 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <string_view>
 
+#include "modules/config/error.h"
 #include "modules/config/section.h"
 #include "modules/formats/packets.h"
 #include "modules/numeric/fixed_point.h"
@@ -48,6 +50,12 @@ struct svo_visits {
   svo_visits& operator+=(const svo_visits& v);
 };
 svo_visits visits_of(const svo_outcome& o);
+/// The same over `rays` traversals, from the sums of their figures; `ends`: of how many the ray left the root cube behind an EVAL.
+svo_visits visits_of_sums(std::uint64_t rays, std::uint64_t cost, std::uint64_t pushes, std::uint64_t depth, std::uint64_t ends);
+
+/// The fault of a stack that is too small for a ray; `core`: the instance's name.
+simulation_error svo_stack_overflow(const std::string& core, unsigned stack_depth, std::uint32_t sequence, std::uint32_t job_word,
+                                    std::uint64_t cycle);
 
 /// The result bus of a core: what it carries is kept from hit to hit where misses are `stale_miss`.
 struct svo_result_registers {

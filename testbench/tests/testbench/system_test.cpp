@@ -11,6 +11,7 @@
 #include "testbench/camera.h"
 #include "testbench/csv.h"
 #include "testbench/job_file.h"
+#include "testbench/replay.h"
 #include "testbench/simulation.h"
 #include "testbench/tests/in_child.h"
 #include "testbench/tests/random_scene.h"
@@ -45,20 +46,38 @@ struct outcome {
   std::string statistics;
 };
 
+std::string log_line(cycle c, const traversal_result& r) {
+  const int axis = r.normal_axis;
+  return fmt::format("{},{},{},{},{},{},{},{},{}\n", c, r.core, r.job_word, static_cast<int>(r.hit), r.hit ? r.t_hit : 0, r.hit ? axis : -1, r.cost,
+                     r.t_hit, axis);
+}
+
+constexpr char log_header[] = "cycle,core,job_id,hit,t_hit,normal_axis,cost,raw_t_hit,raw_normal_axis\n";
+
+outcome replay_of(const design& d, const surroundings& s, const svo_image& image, const std::vector<job_packet>& jobs) {
+  try {
+    outcome o{log_header, ""};
+    const walked_rays walked = walk_rays(d, image.words, jobs, 2);
+    const run_figures figures = replay(d, s, walked, [&](cycle c, const traversal_result& r, std::uint64_t) { o.log += log_line(c, r); });
+    config::report report;
+    figures.describe(report);
+    o.statistics = report.values().dump();
+    return o;
+  } catch (const std::exception& e) {
+    return {std::string("error: ") + e.what(), ""};
+  }
+}
+
 outcome simulate(const design& d, const surroundings& s, const svo_image& image, const std::vector<job_packet>& jobs, pace p,
                  std::uint32_t shuffle = 0) {
   const std::string both = in_child([&] {
     simulation sim(d, s, image.words, jobs, p);
     sim.clock().shuffle_units(shuffle);
-    std::string log = "cycle,core,job_id,hit,t_hit,normal_axis,cost,raw_t_hit,raw_normal_axis\n";
-    sim.board().on_result([&](cycle c, const traversal_result& r, const ray_waits&) {
-      const int axis = r.normal_axis;
-      log += fmt::format("{},{},{},{},{},{},{},{},{}\n", c, r.core, r.job_word, static_cast<int>(r.hit), r.hit ? r.t_hit : 0, r.hit ? axis : -1,
-                         r.cost, r.t_hit, axis);
-    });
+    std::string log = log_header;
+    sim.board().on_result([&](cycle c, const traversal_result& r, const ray_waits&) { log += log_line(c, r); });
     sim.run();
     config::report report;
-    sim.describe_statistics(report);
+    sim.figures().describe(report);
     return log + '\0' + report.values().dump();
   });
   const auto split = both.find('\0');
@@ -79,6 +98,7 @@ TEST_CASE("system: every log of the original hardware, in every pace", "[system]
       CAPTURE(r.regime, r.cores, static_cast<int>(p));
       CHECK((simulate(as_built(r.cores), regime(r.regime), image, jobs, p).log == wanted));
     }
+    CHECK((replay_of(as_built(r.cores), regime(r.regime), image, jobs).log == wanted));
   }
 }
 
@@ -155,6 +175,9 @@ TEST_CASE("system: 500 random designs and streams are the same in every pace, wh
     REQUIRE(skipping.statistics == other.statistics);
     const outcome shuffled = simulate(d, s, image, jobs, pace::skipping, 1 + random());
     REQUIRE(skipping.log == shuffled.log);
+    const outcome replayed = replay_of(d, s, image, jobs);
+    REQUIRE(skipping.log == replayed.log);
+    REQUIRE(skipping.statistics == replayed.statistics);
     REQUIRE(skipping.statistics == shuffled.statistics);
     if (skipping.statistics.empty()) {
       REQUIRE_THAT(skipping.log, Catch::Contains("overflows"));

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "modules/formats/packets.h"
+#include "modules/numeric/float_to_fixed.h"
+#include "modules/rtu/design.h"
+#include "modules/timing/offer.h"
+#include "testbench/run_figures.h"
+#include "testbench/simulation.h"
+
+namespace rtusim {
+
+/// What a ray's traversal comes to, without the design's timing.
+struct walked_ray {
+  std::int64_t t_hit = 0;         ///< of a hit
+  std::uint32_t job_word = 0;
+  std::uint32_t cost = 0;
+  std::uint32_t pushes = 0;
+  std::uint8_t depth = 0;
+  std::int8_t axis = no_axis;     ///< of a hit
+  bool hit = false;
+  bool overflow = false;
+};
+
+/// The walks of all jobs of a run, in their order. They serve every core count, policy, source and sink.
+struct walked_rays {
+  std::vector<walked_ray> rays;
+  numeric::float_to_fixed_stats conversion;
+};
+
+/// Converts and walks all jobs. The outcome does not depend on the number of threads.
+walked_rays walk_rays(const design& d, const std::vector<std::uint32_t>& image, const std::vector<job_packet>& jobs, unsigned threads);
+
+/// Called for each result in the order of leaving, with its cycle and latency.
+using replay_handler = std::function<void(cycle, const traversal_result&, std::uint64_t latency_cycles)>;
+
+/// Why a design can't be replayed, as the words of an error; empty if it can.
+std::string replay_obstacle(const design& d, const surroundings& s);
+
+/// The schedule of the walked rays from their costs alone: the cycles, figures and results that a simulation comes to.
+///
+/// It needs a memory that answers at once. Then a job's cycles follow from those of the jobs before it: it is accepted when the source
+/// offers it and the job manager's stages move; it is at their output when they have moved six times; it is dispatched when the
+/// policy finds a core; its core is done cost + 1 cycles later; and a buffer drains where the turning select meets it and the sink is
+/// ready. Where an offered result stays (without the erratum valid_withdrawn) and the sink is not always ready, the buffers depend
+/// on each other through the select; their drains are then followed in the order of time, as far as the next dispatch needs.
+///
+/// Errors: simulation_error for a stack that overflows, as the simulation's; input_error where transfers lie further apart than the
+/// watchdog allows, which only a simulation can judge.
+run_figures replay(const design& d, const surroundings& s, const walked_rays& walked, const replay_handler& handler);
+
+}  // namespace rtusim

@@ -1,0 +1,34 @@
+#include "testbench/run_figures.h"
+
+#include <fmt/format.h>
+
+namespace rtusim {
+
+void run_figures::describe(config::report& r) const {
+  const auto rays = static_cast<double>(results.rays);
+  const auto cycles = static_cast<double>(results.last_result);
+  const double hz = clock_mhz * 1e6;
+  r.number("total_cycles", results.last_result, "cycles", "cycle of the last result; cycle 0 accepts the first job");
+  r.number("last_accept_cycle", results.last_accepted, "cycles", "cycle that accepts the last job");
+  r.number("rays", results.rays, "rays", "jobs, each with its result");
+  r.number("hits", results.hits, "rays", "rays that hit");
+  r.number("cycles_per_ray", cycles / rays, "cycles", "total cycles by rays");
+  r.number("rays_per_cycle", rays / cycles, "rays", "rays by total cycles");
+  r.number("seconds", cycles / hz, "s", "total cycles at the clock");
+  r.number("rays_per_second", rays * hz / cycles, "1/s", "rays at the clock");
+  r.number("frames_per_second", hz / cycles, "1/s", "runs like this one at the clock");
+  r.number("checksum", fmt::format("{:016x}", results.checksum), "", "over job word, hit, cost, cycle and t of all results, in order");
+  r.group("latency", [this](config::report& g) { results.latency.describe(g, "cycles"); });
+  r.group("cost", [this](config::report& g) { results.cost.describe(g, "cycles"); });
+  r.group("waits", [&](config::report& g) { results.waits.describe(g, rays); });
+  r.group("job_manager", [this](config::report& g) { jobs.describe(g); });
+  svo_core::stats all;
+  for (const auto& core : cores) all += core;
+  r.group("svo_core", [&](config::report& g) { all.describe(g); });
+  for (std::size_t i = 0; i < cores.size(); ++i) r.group(fmt::format("core_{}", i), [&](config::report& g) { cores[i].describe(g); });
+  r.group("channels", [this](config::report& g) {
+    for (const auto& [name, stats] : channels) g.group(name, [&s = stats](config::report& c) { s.describe(c); });
+  });
+}
+
+}  // namespace rtusim
