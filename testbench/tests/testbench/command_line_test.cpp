@@ -1,0 +1,383 @@
+#include <catch2/catch.hpp>
+
+#include <fcntl.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <csignal>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "modules/config/files.h"
+#include "testbench/tests/scratch.h"
+
+namespace rtusim {
+namespace {
+
+using words = std::vector<std::string>;
+
+const std::string source = RTUSIM_SOURCE_DIR "/";
+const std::string golden = source + "testbench/golden/svo/";
+const std::string as_built = source + "testbench/architectures/espe2019_as_built.toml";
+const std::string dragon = golden + "models/dragon_32.svo";
+
+/// A run of 144 rays, which `also` changes.
+words small_run(const words& also) {
+  words all{"run", "--model", dragon, "--set", "frame.width=16", "--set", "frame.height=9", "--quiet"};
+  all.insert(all.end(), also.begin(), also.end());
+  return all;
+}
+
+struct outcome {
+  int status = -1;  // of its exit; -1 when it was killed
+  std::string out, err;
+};
+
+std::string text_of(std::FILE* file) {
+  std::string text;
+  std::rewind(file);
+  for (int c; (c = std::fgetc(file)) != EOF;) text += static_cast<char>(c);
+  return text;
+}
+
+/// Runs the program in a folder. No file may grow beyond `most_bytes`, which looks to it like a disk that is full.
+outcome rtusim(const test::scratch_folder& folder, const words& arguments, rlim_t most_bytes = RLIM_INFINITY) {
+  using file = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;
+  const file out(std::tmpfile(), &std::fclose), err(std::tmpfile(), &std::fclose);
+  std::string program = RTUSIM_BINARY;
+  words copies = arguments;
+  std::vector<char*> argv{program.data()};
+  for (std::string& a : copies) argv.push_back(a.data());
+  argv.push_back(nullptr);
+  const std::string home = (folder / "").string();
+
+  const pid_t child = fork();
+  if (child == 0) {
+    const rlimit bytes{most_bytes, RLIM_INFINITY}, seconds{60, 60};  // of computing: a loop without end is killed
+    setrlimit(RLIMIT_FSIZE, &bytes);
+    setrlimit(RLIMIT_CPU, &seconds);
+    std::signal(SIGXFSZ, SIG_IGN);
+    dup2(open("/dev/null", O_RDONLY), STDIN_FILENO);
+    dup2(fileno(out.get()), STDOUT_FILENO);
+    dup2(fileno(err.get()), STDERR_FILENO);
+    if (chdir(home.c_str()) == 0) execv(argv[0], argv.data());
+    _exit(127);
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, text_of(out.get()), text_of(err.get())};
+}
+
+std::string bytes_of(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+/// What lies in a folder: the bytes of its files by name, the hidden ones too.
+std::map<std::string, std::string> contents(const test::scratch_folder& folder) {
+  std::map<std::string, std::string> files;
+  for (const auto& entry : std::filesystem::directory_iterator(folder / ""))
+    files[entry.path().filename().string()] = entry.is_regular_file() ? bytes_of(entry) : "";
+  return files;
+}
+
+struct refusal {
+  const char* what;
+  words arguments;
+  std::string text;  // part of the one line that it brings
+  int status = 2;
+  rlim_t most_bytes = RLIM_INFINITY;
+};
+
+void check_refused(const test::scratch_folder& folder, const refusal& r) {
+  INFO(r.what);
+  const auto before = contents(folder);
+  const outcome o = rtusim(folder, r.arguments, r.most_bytes);
+  CHECK(o.status == r.status);
+  CHECK(o.out.empty());
+  CHECK(std::count(o.err.begin(), o.err.end(), '\n') == 1);
+  CHECK_THAT(o.err, Catch::StartsWith("rtusim: ") && Catch::EndsWith("\n") && Catch::Contains(r.text));
+  CHECK(contents(folder) == before);
+}
+
+TEST_CASE("command line: a command that can't be read is refused", "[testbench]") {
+  const test::scratch_folder folder;
+  const refusal all[] = {
+      {"no command", {}, "command: none; expected one of run, unit"},
+      {"an unknown command", {"rum"}, "command: \"rum\"; expected one of run, unit"},
+      {"an unknown option", small_run({"--vdc-from", "3"}), "run: unknown argument \"--vdc-from\"; expected --vcd-from"},
+      {"a second scene", {"run", "a.toml", "b.toml"}, "unknown argument \"b.toml\""},
+      {"an option without its value", small_run({"--log"}), "--log"},
+      {"an option given twice", small_run({"--log", "a", "--log", "b"}), "--log"},
+      {"an empty name, as of a variable that is not set", small_run({"--log", ""}), "--log: an empty value"},
+      {"a unit without files", {"unit", "svo_core"}, "--jobs is required"},
+      {"an unknown unit", {"unit", "svo_coar", "--jobs", "a.csv", "--out", "b.csv"}, "\"svo_coar\"; expected svo_core or float_to_fixed"},
+      {"a unit without its model", {"unit", "svo_core", "--jobs", "a.csv", "--out", "b.csv"}, "no --model"},
+      {"an unknown key", {"explain", "scheduler.polcy"}, "unknown key scheduler.polcy; expected scheduler.policy"},
+      {"an unknown figure", {"explain", "statistics.ray"}, "expected statistics.rays"},
+      {"no model", {"run"}, "run: no model; expected a scene file, --model FILE"},
+      {"a pace that is none", small_run({"--pace", "faster"}), "--pace: \"faster\"; expected skipping, stepped"},
+  };
+  for (const refusal& r : all) check_refused(folder, r);
+}
+
+TEST_CASE("command line: a parameter that is unknown, unread or out of range is refused", "[testbench]") {
+  const test::scratch_folder folder;
+  const auto set = [](const std::string& assignment) { return small_run({"--set", assignment}); };
+  const refusal all[] = {
+      {"no key", set("=3"), "expected KEY=VALUE"},
+      {"a mistyped key", set("sceduler.policy=first_available"), "unknown key sceduler.policy; expected scheduler.policy"},
+      {"a mistyped word", set("scheduler.policy=round_robbin"), "did you mean round_robin?"},
+      {"a key that nothing reads", set("source.gap_cycles=4"), "source.gap_cycles is not read by this design"},
+      {"voxels of what is no mesh", set("scene.resolution=64"), "it only when scene.model is a mesh"},
+      {"zero cores", set("rtu.cores=0"), "rtu.cores = 0; expected a whole number from 1 to"},
+      {"more cores than there can be", set("rtu.cores=99999999999999999999"), "rtu.cores"},
+      {"a word for a number", set("rtu.cores=many"), "rtu.cores = \"many\"; expected a whole number"},
+      {"a frame without columns", set("frame.width=0"), "frame.width = 0; expected a whole number from 1 to"},
+      {"a camera that is nowhere", set("camera.position=[nan, 0, 0]"), "camera.position = [nan, 0, 0]; expected an array of three finite"},
+      {"an endless camera", set("camera.far=inf"), "camera.far = inf; expected a finite number"},
+      {"a camera that ends before it begins", set("camera.near=1000000"), "camera: far = "},
+      {"a camera without an opening", set("camera.vertical_fov_degrees=180"), "camera.vertical_fov_degrees = 180; expected"},
+  };
+  for (const refusal& r : all) check_refused(folder, r);
+}
+
+TEST_CASE("command line: a file that can't be used is refused with its place", "[testbench]") {
+  const test::scratch_folder folder;
+  const std::string svo = config::read_file(dragon);
+  const std::string ply = config::read_file(source + "scenes/data/dragon_res4.ply");
+  std::filesystem::create_directory(folder / "folder");
+  folder.file("empty", "");
+  folder.file("garbage.toml", "\x7f" "ELF\x02\x01 = [");
+  folder.file("cut.toml", "[frame]\nwidth = ");
+  folder.file("unknown.toml", "[frame]\nwidht = 3\n");
+  folder.file("foreign.toml", "\n[rtu]\ncores = 3\n");
+  folder.file("twice.toml", "[frame]\nwidth = 3\nwidth = 4\n");
+  folder.file("mistyped.toml", "[frame]\n\nwidth = \"3\"\n");
+  folder.file("nan.toml", "[camera]\nposition = [0.0, nan, 0.0]\n");
+  folder.file("no_model.toml", "[scene]\nmodel = \"nothing.svo\"\n");
+  folder.file("cut.svo", svo.substr(0, 1000));
+  folder.file("odd.svo", svo.substr(0, 1001));
+  folder.file("loop.svo", std::string("\x00\x01\x00\x00", 4));
+  folder.file("garbage.svo", "not an octree...");
+  folder.file("cut.svo.gz", std::string("\x1f\x8b\x08\x00\x00\x00\x00\x00", 8));
+  folder.file("cut.ply", ply.substr(0, ply.size() / 2));
+  folder.file("garbage.ply", "ply\nformat ascii 1.0\nelement vertex 99999999999\nend_header\n");
+  folder.file("nan.obj", "v 0 0 0\nv nan 0 0\nv 0 1 0\nf 1 2 3\n");
+  folder.file("beyond.obj", "v 0 0 0\nv 1 0 0\nf 1 2 3\n");
+  folder.file("point.obj", "v 1 1 1\nv 1 1 1\nv 1 1 1\nf 1 2 3\n");
+  folder.file("odd.bin", std::string(33, 'j'));
+  folder.file("beyond.bin", std::string(32, '\x0f'));
+  folder.file("header.csv", "id,float_bits\n1\n");
+  folder.file("column.csv", "id,floats\n1,2\n");
+  folder.file("word.csv", "id,float_bits\n1,2\n2,x\n");
+  const auto model = [](const std::string& name) { return words{"run", "--quiet", "--model", name}; };
+  const auto scene = [](const std::string& name) { return words{"run", "--quiet", name, "--model", dragon}; };
+  const auto jobs = [](const std::string& name) { return small_run({"--jobs", name, "--log", "log.csv"}); };
+  const auto unit = [](const std::string& name) { return words{"unit", "float_to_fixed", "--jobs", name, "--out", "out.csv"}; };
+  const refusal all[] = {
+      {"no scene", scene("none.toml"), "none.toml: no such file"},
+      {"a folder for a scene", scene("folder"), "folder: a folder; expected a file"},
+      {"a scene that can't be read", scene("/proc/self/mem"), "/proc/self/mem: "},
+      {"garbage for a scene", scene("garbage.toml"), "garbage.toml:1:1: "},
+      {"half a scene", scene("cut.toml"), "cut.toml:2:"},
+      {"a mistyped key", scene("unknown.toml"), "unknown.toml:2: unknown key frame.widht; expected frame.width"},
+      {"a key of a design in a scene", scene("foreign.toml"), "foreign.toml:3: rtu.cores does not belong in this file"},
+      {"a key given twice", scene("twice.toml"), "twice.toml:3:"},
+      {"a value of another type", scene("mistyped.toml"), "mistyped.toml:3: frame.width = \"3\"; expected a whole number"},
+      {"a camera that is nowhere", scene("nan.toml"), "nan.toml:2: camera.position = [0.0, nan, 0.0]"},
+      {"a scene of a model that is not there", {"run", "no_model.toml"}, "nothing.svo: no such file"},
+      {"no design", small_run({"--arch", "none.toml"}), "none.toml: no such file"},
+      {"no octree", model("none.svo"), "none.svo: no such file"},
+      {"half an octree", model("cut.svo"), "cut.svo: word "},
+      {"an octree and a byte", model("odd.svo"), "odd.svo: 1001 bytes"},
+      {"an octree that bites its tail", model("loop.svo"), "loop.svo: word "},
+      {"garbage for an octree", model("garbage.svo"), "garbage.svo: word 0"},
+      {"half a zipped octree", model("cut.svo.gz"), "cut.svo.gz: broken gzip data (it is cut short)"},
+      {"a model of another kind", model("odd.bin"), "odd.bin: a mesh ending in \".bin\""},
+      {"half a mesh", model("cut.ply"), "cut.ply"},
+      {"a mesh that claims too much", model("garbage.ply"), "garbage.ply"},
+      {"a mesh with a vertex nowhere", model("nan.obj"), "nan.obj"},
+      {"a face without its vertex", model("beyond.obj"), "beyond.obj"},
+      {"a mesh without extent", model("point.obj"), "point.obj: a mesh without extent"},
+      {"no file to describe", {"info", "none.svo"}, "none.svo: no such file"},
+      {"no jobs", jobs("none.bin"), "none.bin: no such file"},
+      {"a file without jobs", jobs("empty"), "empty: no jobs"},
+      {"a job and a byte", jobs("odd.bin"), "odd.bin: 33 bytes; expected a multiple of 32"},
+      {"jobs of another frame", small_run({"--jobs", "beyond.bin", "--image", "out.png"}), "beyond.bin: 1 job ids beyond the frame"},
+      {"no words", unit("none.csv"), "none.csv: no such file"},
+      {"a table of nothing", unit("empty"), "empty: an empty file; expected a header line"},
+      {"a row that is cut", unit("header.csv"), "header.csv:2: 1 fields; expected 2"},
+      {"a column that is not there", unit("column.csv"), "column.csv:1: no column float_bits"},
+      {"a word that is none", unit("word.csv"), "word.csv:3: float_bits = \"x\"; expected a whole number"},
+  };
+  for (const refusal& r : all) check_refused(folder, r);
+}
+
+TEST_CASE("command line: an output that can't be written is refused before the run, a full disk leaves nothing", "[testbench]") {
+  const test::scratch_folder folder;
+  folder.file("log.csv", "of an earlier run\n");
+  std::filesystem::create_directory(folder / "folder");
+  std::filesystem::create_symlink("/dev/full", folder / "full.png");
+  std::filesystem::create_symlink("/dev/full", folder / "full.exr");
+  folder.file("in.csv", "id,a,addr,t0x,t0y,t0z,t1x,t1y,t1z\n0,0,0,0,0,0,1,1,1\n");
+  std::vector<refusal> all{
+      {"a picture of no format", small_run({"--image", "out.jpg"}), "out.jpg: no picture format that we write"},
+      {"a picture of no kind", small_run({"--image", "out.cots.png"}), "out.cots.png: unknown kind of picture \"cots\""},
+      {"a picture without a name", small_run({"--image", ".png"}), ".png: no picture format"},
+      {"one file for two outputs", small_run({"--log", "out", "--stats", "./out"}), "out: two outputs of this name"},
+      {"a unit's folder", {"unit", "float_to_fixed", "--jobs", "in.csv", "--out", "none/out"}, "none/out: its folder does not exist"},
+      {"a picture on a full device", small_run({"--image", "full.png"}), "full.png: "},
+      {"layers on a full device", small_run({"--image", "full.exr"}), "full.exr: "},
+      {"a waveform on a device", small_run({"--vcd", "/dev/full"}), "/dev/full: a device"},
+      {"a full device for a table", {"unit", "svo_core", "--jobs", "in.csv", "--out", "/dev/full", "--model", dragon}, "/dev/full: No"},
+  };
+  for (const char* option : {"--log", "--stats", "--save-jobs"})
+    all.push_back({"a full device", small_run({option, "/dev/full"}), "/dev/full: No space left"});
+  const std::pair<const char*, const char*> outputs[] = {{"--log", "log.csv"},   {"--stats", "out.json"}, {"--save-jobs", "out.bin"},
+                                                         {"--image", "out.png"}, {"--image", "out.exr"},  {"--vcd", "out.vcd"}};
+  for (const auto& [option, name] : outputs) {
+    const std::string missing = std::string("none/") + name;
+    const words other{std::string(option) == "--log" ? "--stats" : "--log", "other"};
+    all.push_back({"an output in no folder", small_run({other[0], other[1], option, missing}), missing + ": its folder does not exist"});
+    all.push_back({"a disk that gets full", small_run({option, name}), name, 2, 100});
+  }
+  all.push_back({"a folder for an output", small_run({"--log", "folder"}), "folder: a folder"});
+  for (const refusal& r : all) check_refused(folder, r);
+}
+
+TEST_CASE("command line: a waveform's window must lie in the run", "[testbench]") {
+  const test::scratch_folder folder;
+  const auto vcd = [](words also) {
+    also.insert(also.end(), {"--vcd", "out.vcd"});
+    return small_run(also);
+  };
+  const refusal all[] = {
+      {"no waveform", small_run({"--vcd-from", "3"}), "no --vcd"},
+      {"a window that ends before it begins", vcd({"--vcd-from", "9", "--vcd-to", "8"}), "--vcd-to: 8, before --vcd-from 9"},
+      {"a window behind the run", vcd({"--vcd-from", "1000000"}), "--vcd-from: cycle 1000000, and the run ends with cycle"},
+      {"the last cycle there is", vcd({"--vcd-from", "18446744073709551615"}), "and the run ends with cycle"},
+      {"fewer than zero cycles", vcd({"--vcd-from", "-3"}), "--vcd-from: \"-3\"; expected a whole number"},
+      {"more cycles than a word holds", vcd({"--vcd-to", "18446744073709551616"}), "--vcd-to: \"18446744073709551616\""},
+      {"no number", vcd({"--vcd-to", "1e3"}), "--vcd-to: \"1e3\"; expected a whole number"},
+      {"a job that never comes", vcd({"--vcd-job", "144"}), "--vcd-job: 144, which no job has"},
+      {"a job and a cycle", vcd({"--vcd-job", "1", "--vcd-from", "0"}), "--vcd-job: with --vcd-from or --vcd-to"},
+  };
+  for (const refusal& r : all) check_refused(folder, r);
+  CHECK(rtusim(folder, vcd({"--vcd-from", "20", "--vcd-to", "18446744073709551615"})).status == 0);
+  CHECK(contents(folder).count("out.vcd") == 1);
+}
+
+TEST_CASE("command line: the watchdog ends a run whose sink is never ready, and nothing is left", "[testbench]") {
+  const test::scratch_folder folder;
+  for (const char* pace : {"skipping", "stepped", "checked"}) {
+    const words blocked = small_run({"--set", "sink.ready=never", "--set", "watchdog.cycles=1000", "--set", "rtu.cores=2", "--pace", pace,
+                                     "--log", "log.csv", "--stats", "out.json", "--image", "out.png", "--vcd", "out.vcd"});
+    check_refused(folder, {pace, blocked, "no transfer in the 1000 cycles behind cycle ", 1});
+    const std::string chain = rtusim(folder, blocked).err;
+    for (const char* link : {"core_0 waits for result_manager", "core_1 waits for result_manager", "result_manager waits for sink"})
+      CHECK_THAT(chain, Catch::Contains(link));
+  }
+}
+
+TEST_CASE("command line: raw words are taken whatever they hold", "[testbench]") {
+  const test::scratch_folder folder;
+  folder.file("nan.bin", std::string(32, '\xff') + std::string(32, '\x7f') + std::string(32, '\0'));
+  const outcome o = rtusim(folder, small_run({"--jobs", "nan.bin", "--log", "log.csv"}));
+  CHECK(o.status == 0);
+  CHECK_THAT(o.err, Catch::StartsWith("rtusim: warning: "));
+  CHECK(std::count(o.err.begin(), o.err.end(), '\n') == 1);
+  const std::string log = contents(folder).at("log.csv");
+  CHECK(std::count(log.begin(), log.end(), '\n') == 4);
+
+  folder.file("wide.csv", "id,a,addr,t0x,t0y,t0z,t1x,t1y,t1z,note\n"
+                          "0,7,4294967295,9223372036854775807,-9223372036854775808,0,0,0,0,x\n");
+  const outcome unit = rtusim(folder, {"unit", "svo_core", "--jobs", "wide.csv", "--out", "out.csv", "--model", dragon});
+  CHECK(unit.status == 0);
+  CHECK_THAT(unit.err, Catch::StartsWith("rtusim: warning: 2 words are wider than "));
+  CHECK_THAT(contents(folder).at("out.csv"), Catch::Contains("raw_normal_axis,note\n") && Catch::EndsWith(",x\n"));
+}
+
+TEST_CASE("command line: a run and the units give the golden files", "[testbench]") {
+  const test::scratch_folder folder;
+  const words run{"run", "--arch", as_built, "--model", dragon, "--jobs", golden + "sys/jobs_64x36_literal.bin.gz", "--log", "log.csv"};
+  const outcome o = rtusim(folder, run);
+  CHECK(o.status == 0);
+  CHECK(o.err.empty());
+  CHECK_THAT(o.out, Catch::Contains("2304 rays"));
+  CHECK((contents(folder)["log.csv"] == config::read_file(golden + "sys/log_64x36_literal_ideal_c16.csv.gz")));
+
+  for (const std::string name : {"dragon_32", "rand_16_far"}) {
+    const std::string table = golden + "core/core_" + name + ".csv.gz";
+    const std::string model = golden + "models/" + name + ".svo";
+    const words unit{"unit", "svo_core", "--arch", as_built, "--model", model, "--jobs", table, "--out", "out"};
+    CHECK(rtusim(folder, unit).status == 0);
+    CHECK((contents(folder)["out"] == config::read_file(table)));
+  }
+  const std::string table = golden + "float_to_fixed.csv.gz";
+  CHECK(rtusim(folder, {"unit", "float_to_fixed", "--arch", as_built, "--jobs", table, "--out", "out"}).status == 0);
+  CHECK((contents(folder)["out"] == config::read_file(table)));
+}
+
+TEST_CASE("command line: two runs give the same bytes, and so does one from the jobs that the first one kept", "[testbench]") {
+  const words outputs{"--log", "a.csv", "--image", "a.png", "--image", "a.cost.png", "--image", "a.depth.png", "--image", "a.exr",
+                      "--vcd", "a.vcd", "--vcd-job", "70"};
+  words first = small_run(outputs);
+  first.insert(first.end(), {"--save-jobs", "a.bin"});
+  const test::scratch_folder folder, again, from_jobs;
+  for (const auto* where : {&folder, &again}) {
+    const outcome o = rtusim(*where, first);
+    CHECK(o.status == 0);
+    CHECK(o.out.empty());
+    CHECK(o.err.empty());
+  }
+  auto files = contents(folder);
+  CHECK(files.size() == 7);
+  CHECK((files == contents(again)));
+
+  words later = small_run(outputs);
+  later.insert(later.end(), {"--jobs", (folder / "a.bin").string()});
+  CHECK(rtusim(from_jobs, later).status == 0);
+  files.erase("a.bin");
+  CHECK((files == contents(from_jobs)));
+}
+
+TEST_CASE("command line: an octree takes the place of a scene's mesh", "[testbench]") {
+  const test::scratch_folder folder;
+  folder.file("scene.toml", "[scene]\nmodel = \"none.ply\"\nresolution = 64\n[frame]\nwidth = 16\nheight = 9\n");
+  const outcome o = rtusim(folder, {"run", "scene.toml", "--model", dragon, "--stats", "out.json"});
+  CHECK(o.status == 0);
+  CHECK_THAT(o.out, Catch::Contains("144 rays"));
+  CHECK_THAT(contents(folder).at("out.json"), !Catch::Contains("resolution"));
+}
+
+TEST_CASE("command line: it explains itself", "[testbench]") {
+  const test::scratch_folder folder;
+  const std::pair<words, const char*> asked[] = {
+      {{"--help"}, "explain"},
+      {{"run", "--help"}, "--set KEY=VALUE"},
+      {{"explain"}, "scheduler.policy"},
+      {{"explain", "sink.ready"}, "always, lfsr"},
+      {{"explain", "statistics.rays"}, "statistics.rays"},
+      {{"info", dragon}, "octree of 5 levels: 32 voxels an edge"},
+      {{"info", source + "scenes/data/dragon_res4.ply"}, "triangles"},
+  };
+  for (const auto& [arguments, text] : asked) {
+    const outcome o = rtusim(folder, arguments);
+    CHECK(o.status == 0);
+    CHECK(o.err.empty());
+    CHECK_THAT(o.out, Catch::Contains(text));
+  }
+  CHECK(folder.empty());
+}
+
+}  // namespace
+}  // namespace rtusim
