@@ -103,7 +103,7 @@ void channel_base::check_levels(cycle c) {
 void channel_base::show_levels(cycle c) {
   shown_valid_ = valid_level(c);
   shown_ready_ = ready_level();
-  if (shown_valid_) show(c);
+  show(c, shown_valid_);
 }
 
 void channel_stats::describe(config::report& r) const {

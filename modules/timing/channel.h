@@ -65,8 +65,8 @@ class channel_base : public sc_core::sc_object, public virtual sc_core::sc_inter
 
   /// Takes the payload over from the producer, at the edge of cycle c; called once for each transfer.
   virtual void latch(cycle c) = 0;
-  /// Copies the payload that is offered in cycle c to where a waveform looks.
-  virtual void show(cycle c) = 0;
+  /// Copies the payload that is offered in cycle c, or without an offer the one transferred last, to where a waveform looks.
+  virtual void show(cycle c, bool valid) = 0;
   virtual void trace_payload(waveform& w) const = 0;
 
  private:
@@ -150,9 +150,7 @@ class channel final : public channel_base {
     data_ = offered(c);
     if (observer_ != nullptr) observer_->transferred(which_, c, data_);
   }
-  void show(cycle c) override {
-    shown_ = offered(c);
-  }
+  void show(cycle c, bool valid) override { shown_ = valid ? offered(c) : data_; }
   void trace_payload(waveform& w) const override { trace_fields(w, std::string(name()), shown_); }
 
   const T* source_ = nullptr;

@@ -105,16 +105,25 @@ void clock_domain::start() {
 
 void clock_domain::wake_up() {
   try {
-    if (++stats_.wake_ups > 1) {
+    ++stats_.wake_ups;
+    if (sc_core::sc_time_stamp() == begin_of(next_))
+      begin_cycle();
+    else
       run_edges();
-    } else {  // the call at time 0: cycle 0 begins, its edge comes a period later
-      if (recording(0)) waveform_->open(*this);
-      next_trigger(period_);
-    }
   } catch (...) {
     error_ = std::current_exception();
     sc_core::sc_stop();
   }
+}
+
+sc_core::sc_time clock_domain::begin_of(cycle c) const { return period_ * static_cast<double>(c); }
+
+void clock_domain::begin_cycle() {
+  if (recording(next_)) {
+    catch_up();
+    waveform_->open(*this);
+  }
+  next_trigger(period_);
 }
 
 void clock_domain::run_edges() {
@@ -135,11 +144,8 @@ void clock_domain::run_edges() {
     }
     next_ = target;
     if (recording(target) || n == edges_a_wake_up || sc_core::sc_pending_activity()) {
-      if (waveform_ != nullptr && target == record_from_) {
-        catch_up();
-        waveform_->open(*this);
-      }
-      next_trigger(period_ * static_cast<double>(target + 1) - sc_core::sc_time_stamp());
+      const bool begins = waveform_ != nullptr && target == record_from_;
+      next_trigger(begin_of(begins ? target : target + 1) - sc_core::sc_time_stamp());
       return;
     }
   }

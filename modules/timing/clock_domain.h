@@ -88,7 +88,9 @@ class clock_domain : public sc_core::sc_module {
   void mark_dirty(channel_base& c);
   void start_of_simulation() override;
   void rank_channels();
+  sc_core::sc_time begin_of(cycle c) const;
   void wake_up();
+  void begin_cycle();
   void run_edges();
   void edge(cycle c);
   void fire(channel_base& ch, cycle c);

@@ -2,7 +2,6 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <memory>
 #include <string>
 #include <type_traits>
 
@@ -18,43 +17,54 @@ class clock_domain;
 
 /// A VCD file of every channel, state and counter of a clock domain, for the cycles of a window.
 ///
-/// Cycle c lasts from c to c + 1 periods: the values within it are those that its closing edge samples. `clock` rises at
-/// each edge.
+/// Cycle c lasts from c to c + 1 periods: the values within it are those that its closing edge samples. `clock` rises as each
+/// begins. A channel shows what it offers, and while it offers nothing what it transferred last. What a window shows of a cycle is
+/// what a recording of the whole run shows of it.
 class waveform : public sc_core::sc_module {
  public:
-  /// `file` is replaced when the recording is complete.
-  waveform(const sc_core::sc_module_name& name, std::filesystem::path file);
+  /// `file` is replaced when the recording is complete. `t_bits`: of the design's fixed-point words.
+  /// Errors: input_error when it can't be written, or is a device or a pipe.
+  waveform(const sc_core::sc_module_name& name, std::filesystem::path file, unsigned t_bits);
   ~waveform() override;
 
   /// For units, channels and payloads, in their `trace`: adds one variable of `bits` bits (0: all of its type).
   template <class T>
   void add(const T& variable, const std::string& name, unsigned bits = 0) {
+    static_assert(std::is_integral_v<T> || (std::is_enum_v<T> && sizeof(T) == 1));
+    const int width = static_cast<int>(bits != 0 ? bits : sizeof(T) * 8);
     if constexpr (std::is_same_v<T, bool>) {
       sc_core::sc_trace(file_, variable, name);
     } else if constexpr (std::is_enum_v<T>) {
-      sc_core::sc_trace(file_, reinterpret_cast<const unsigned char&>(variable), name, static_cast<int>(bits));
+      sc_core::sc_trace(file_, reinterpret_cast<const unsigned char&>(variable), name, width);
+    } else if constexpr (std::is_same_v<T, signed char>) {
+      // Without an overload of its own it would be promoted, and the tracer keep the address of a temporary.
+      sc_core::sc_trace(file_, reinterpret_cast<const char&>(variable), name, width);
     } else {
-      sc_core::sc_trace(file_, variable, name, static_cast<int>(bits != 0 ? bits : sizeof(T) * 8));
+      sc_core::sc_trace(file_, variable, name, width);
     }
   }
+  /// Bits of the design's fixed-point words, as which packets show their t values.
+  unsigned t_bits() const { return t_bits_; }
 
   /// Starts the file with the values of the coming cycle.
   void open(clock_domain& domain);
-  /// Shows the coming cycle, after the edge before it.
+  /// Shows the coming cycle, as it begins.
   void show(clock_domain& domain);
   /// Ends the recording and puts the file in place. Without an open recording there is no file.
   /// Errors: input_error when the file could not be written to its end.
   void close();
-  bool recorded() const { return output_ != nullptr; }
+  bool recorded() const { return recorded_; }
 
  private:
-  void refresh(clock_domain& domain);
   void fall() { clock_ = false; }
 
   std::filesystem::path path_;
-  std::unique_ptr<config::output_file> output_;
+  unsigned t_bits_;
+  config::output_file output_;
+  std::filesystem::path traced_;  // where SystemC's tracer writes
   sc_core::sc_trace_file* file_ = nullptr;
   sc_core::sc_event half_period_;
+  bool recorded_ = false;
   bool clock_ = false;
   std::uint64_t cycle_ = 0;
 };
