@@ -22,7 +22,7 @@ std::vector<config::report::entry> statistics_entries() {
   run.channels.emplace_back("job", channel_stats{});
   config::report all;
   all.group("statistics", [&](config::report& r) { run.describe(r); });
-  all.group("simulator", [&](config::report& r) { describe_simulator(r, {}, pace::skipping, 0, 0, 0, 0); });
+  all.group("simulator", [&](config::report& r) { simulator_figures{}.describe(r); });
   return all.entries();
 }
 

@@ -51,15 +51,14 @@ void add_number(CLI::App& app, const std::string& name, std::optional<Number>& t
   app.add_option_function<std::string>(name, read, meaning)->type_name(kind);
 }
 
-/// Adds the option for how the clock goes.
-void add_pace(CLI::App& app, pace& to) {
+/// Adds the option for how a run comes by its cycles.
+void add_pace(CLI::App& app, run_pace& to) {
   const auto read = [&to](const std::string& word) {
-    if (word == "skipping") to = pace::skipping;
-    else if (word == "stepped") to = pace::stepped;
-    else if (word == "checked") to = pace::checked;
-    else throw input_error("--pace", '"' + word + '"', "skipping, stepped or checked");
+    const auto found = std::find(std::begin(run_pace_words), std::end(run_pace_words), word);
+    if (found == std::end(run_pace_words)) throw input_error("--pace", '"' + word + '"', "skipping, stepped, checked or replay");
+    to = static_cast<run_pace>(found - std::begin(run_pace_words));
   };
-  app.add_option_function<std::string>("--pace", read, "skipping, stepped or checked")->type_name("PACE");
+  app.add_option_function<std::string>("--pace", read, "skipping, stepped, checked or replay")->type_name("PACE");
 }
 
 /// Adds what `run` takes to its command.

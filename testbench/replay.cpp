@@ -162,7 +162,7 @@ struct core_schedule {
 template <bool Held>
 class schedule {
  public:
-  schedule(const design& d, const surroundings& s, const walked_rays& walked, const replay_handler& handler)
+  schedule(const design& d, const surroundings& s, const walked_rays& walked, const result_handler& handler)
       : design_(d),
         watchdog_(s.watchdog_cycles),
         policy_(d.scheduler_.select),
@@ -467,7 +467,7 @@ class schedule {
   cycle watchdog_;
   policy policy_;
   const std::vector<walked_ray>& walked_;
-  const replay_handler& handler_;
+  const result_handler& handler_;
   std::vector<core_schedule> cores_;
   divider by_cores_;
   std::vector<std::int64_t> offered_steps_;  // as the scheduler's: whole turns, and what goes beyond them
@@ -500,12 +500,13 @@ class schedule {
 
 walked_rays walk_rays(const design& d, const std::vector<std::uint32_t>& image, const std::vector<job_packet>& jobs, unsigned threads) {
   const svo_walk walk(d.svo_core_params_with_format());
+  const numeric::float_to_fixed_converter converter(d.fixed_point, d.float_to_fixed);
   const word_view words = view_of(image, d.memory_);
   walked_rays all;
   all.rays.resize(jobs.size());
   const auto part = [&](std::size_t from, std::size_t to, numeric::float_to_fixed_stats& conversion) {
     for (std::size_t j = from; j < to; ++j) {
-      const svo_outcome o = walk(convert(jobs[j], d.job_manager_params(), conversion), words);
+      const svo_outcome o = walk(convert(jobs[j], converter, conversion), words);
       all.rays[j] = {o.t_hit, o.job_word, o.cost, o.pushes, o.depth, o.axis, o.hit, o.overflow};
     }
   };
@@ -532,7 +533,7 @@ std::string replay_obstacle(const design& d, const surroundings& s) {
   return {};
 }
 
-run_figures replay(const design& d, const surroundings& s, const walked_rays& walked, const replay_handler& handler) {
+run_figures replay(const design& d, const surroundings& s, const walked_rays& walked, const result_handler& handler) {
   if (const std::string why = replay_obstacle(d, s); !why.empty())
     throw input_error("--pace replay", why, "a design whose schedule follows from the costs of its rays; --pace skipping takes every one");
   const bool always = s.sink.ready == sink_params::regime::always;

@@ -34,9 +34,6 @@ struct walked_rays {
 /// Converts and walks all jobs. The outcome does not depend on the number of threads.
 walked_rays walk_rays(const design& d, const std::vector<std::uint32_t>& image, const std::vector<job_packet>& jobs, unsigned threads);
 
-/// Called for each result in the order of leaving, with its cycle and latency.
-using replay_handler = std::function<void(cycle, const traversal_result&, std::uint64_t latency_cycles)>;
-
 /// Why a design can't be replayed, as the words of an error; empty if it can.
 std::string replay_obstacle(const design& d, const surroundings& s);
 
@@ -50,6 +47,6 @@ std::string replay_obstacle(const design& d, const surroundings& s);
 ///
 /// Errors: simulation_error for a stack that overflows, as the simulation's; input_error where transfers lie further apart than the
 /// watchdog allows, which only a simulation can judge.
-run_figures replay(const design& d, const surroundings& s, const walked_rays& walked, const replay_handler& handler);
+run_figures replay(const design& d, const surroundings& s, const walked_rays& walked, const result_handler& handler);
 
 }  // namespace rtusim

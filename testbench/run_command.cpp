@@ -16,6 +16,7 @@
 #include "modules/rtu/design.h"
 #include "testbench/job_file.h"
 #include "testbench/pictures.h"
+#include "testbench/replay.h"
 #include "testbench/results_log.h"
 #include "testbench/scene.h"
 #include "testbench/simulation.h"
@@ -109,6 +110,37 @@ class progress {
   std::uint64_t rays_;
 };
 
+struct traced {
+  run_figures figures;
+  simulator_figures speed;
+};
+
+/// The run itself, simulated or replayed.
+traced trace(const run_options& o, const setup& s, const svo_image& image, const std::vector<job_packet>& jobs,
+             const std::optional<waveform_window>& window, const result_handler& handler) {
+  traced t;
+  t.speed.pace = run_pace_words[static_cast<std::size_t>(o.how)];
+  const auto begin = wall_clock::now();
+  if (o.how == run_pace::replay) {
+    if (window) throw input_error("--vcd", "--pace replay, which has no signals", "--pace skipping, which is quick outside the window");
+    if (const std::string why = replay_obstacle(s.unit, s.bench); !why.empty())
+      throw input_error("--pace replay", why, "a design whose schedule follows from the costs of its rays, or --pace skipping");
+    t.figures = replay(s.unit, s.bench, walk_rays(s.unit, image.words, jobs, 2), handler);
+  } else {
+    simulation sim(s.unit, s.bench, image.words, jobs, static_cast<pace>(o.how), window);
+    if (handler) sim.board().on_result(handler);
+    const progress bar(!o.quiet, jobs.size());
+    sim.clock().set_progress([&] { bar.show(sim.board().figures().rays); });
+    sim.run();
+    t.figures = sim.figures();
+    t.speed.clock = sim.clock().stats();
+  }
+  t.speed.run_seconds = seconds(wall_clock::now() - begin).count();
+  t.speed.rays = jobs.size();
+  t.speed.cycles = t.figures.results.last_result + 1;
+  return t;
+}
+
 }  // namespace
 
 void run(const run_options& o) {
@@ -129,18 +161,11 @@ void run(const run_options& o) {
   std::optional<results_log> log;
   if (!o.log.empty()) log.emplace(o.log);
 
-  simulation sim(s.unit, s.bench, image.words, jobs, o.how, window);
-  if (picture || log) {
-    sim.board().on_result([&](cycle c, const traversal_result& r, const ray_waits& waits) {
-      if (picture) picture->store(r, waits.latency_cycles());
-      if (log) log->add(c, r);
-    });
-  }
-  const progress bar(!o.quiet, jobs.size());
-  sim.clock().set_progress([&] { bar.show(sim.board().figures().rays); });
-  const auto begin = wall_clock::now();
-  sim.run();
-  const auto end = wall_clock::now();
+  const result_handler handler = [&](cycle c, const traversal_result& r, std::uint64_t latency_cycles) {
+    if (picture) picture->store(r, latency_cycles);
+    if (log) log->add(c, r);
+  };
+  traced run = trace(o, s, image, jobs, window, picture || log ? handler : result_handler());
   if (picture && picture->strays() != 0)
     throw input_error(o.jobs.string(),
                       fmt::format("{} job ids beyond the frame of {} x {}", picture->strays(), picture->width(), picture->height()),
@@ -150,7 +175,7 @@ void run(const run_options& o) {
   for (std::size_t i = 0; i < kinds.size(); ++i) write_picture(o.images[i], *picture, kinds[i]);
 
   config::report statistics;
-  sim.figures().describe(statistics);
+  run.figures.describe(statistics);
   run_record record;
   record.inputs = {{"scene", o.scene.string()},
                    {"architecture", o.architecture.string()},
@@ -161,10 +186,12 @@ void run(const run_options& o) {
                    {"jobs_crc32", fmt::format("{:08x}", crc32_of(jobs.data(), jobs.size() * sizeof(job_packet)))}};
   record.parameters = s.parameters.values();
   record.statistics = statistics.values();
-  record.simulator = describe_simulator(sim.clock(), o.how, jobs.size(), seconds(end - begin).count(),
-                                        seconds(wall_clock::now() - start).count());
+  run.speed.all_seconds = seconds(wall_clock::now() - start).count();
+  config::report simulator;
+  run.speed.describe(simulator);
+  record.simulator = simulator.values();
   if (!o.statistics.empty()) write_record(o.statistics, record);
-  if (const auto& c = sim.unit().jobs().statistics().conversion; c.overflows + c.nans != 0 && !o.jobs.empty())
+  if (const auto& c = run.figures.jobs.conversion; c.overflows + c.nans != 0 && !o.jobs.empty())
     fmt::print(stderr, "rtusim: warning: {} parameters of the jobs lie beyond the fixed-point range, {} are no number\n", c.overflows,
                c.nans);
   if (!o.quiet) fmt::print("{}", summary_text(record));

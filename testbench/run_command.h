@@ -4,11 +4,16 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "modules/timing/clock_domain.h"
 
 namespace rtusim {
+
+/// How a run comes by its cycles: the paces of the clock (`pace`, in the same order), or the replay of all rays' costs.
+enum class run_pace : std::uint8_t { skipping, stepped, checked, replay };
+inline constexpr std::string_view run_pace_words[] = {"skipping", "stepped", "checked", "replay"};
 
 /// What `rtusim run` was asked for. Empty paths: not asked.
 struct run_options {
@@ -18,7 +23,7 @@ struct run_options {
   std::filesystem::path model;
   std::filesystem::path jobs;
   std::filesystem::path save_jobs;
-  pace how = pace::skipping;
+  run_pace how = run_pace::skipping;
   std::vector<std::filesystem::path> images;
   std::filesystem::path statistics;
   std::filesystem::path log;

@@ -70,7 +70,7 @@ void scoreboard::arrived(cycle c, const traversal_result& r) {
 
   figures_.count(c, r, waits.latency_cycles());
   figures_.waits += waits;
-  if (handler_) handler_(c, r, waits);
+  if (handler_) handler_(c, r, waits.latency_cycles());
   if (left_handler_) left_handler_(r.sequence);
 }
 

@@ -62,13 +62,13 @@ struct result_figures {
   void mix(std::uint64_t word) { checksum = (checksum ^ word) * 1099511628211u; }
 };
 
+/// Called for each result in the order of leaving, with its cycle and latency.
+using result_handler = std::function<void(cycle, const traversal_result&, std::uint64_t latency_cycles)>;
+
 /// Watches an RTU's channels: that each job comes to one result, in order where order is promised, and how long each part took.
 /// A violation is a simulation_error.
 class scoreboard : channel_observer<job_packet>, channel_observer<traversal_job>, channel_observer<traversal_result> {
  public:
-  /// Called for each result as it leaves, in order.
-  using result_handler = std::function<void(cycle, const traversal_result&, const ray_waits&)>;
-
   scoreboard(rtu& unit, channel<job_packet>& jobs, channel<traversal_result>& results);
 
   void on_result(result_handler handler) { handler_ = std::move(handler); }

@@ -13,15 +13,6 @@ namespace {
 
 using json = nlohmann::ordered_json;
 
-std::string_view pace_word(pace p) {
-  switch (p) {
-    case pace::skipping: return "skipping";
-    case pace::stepped: return "stepped";
-    case pace::checked: break;
-  }
-  return "checked";
-}
-
 double share(const json& part, double whole) { return whole == 0 ? 0 : 100 * part.get<double>() / whole; }
 
 double all_cycles(const json& cycles) {
@@ -37,23 +28,18 @@ std::string bar(double percent, unsigned width) {
 
 }  // namespace
 
-void describe_simulator(config::report& r, const clock_stats& stats, pace how, std::uint64_t rays, std::uint64_t cycles, double run_seconds,
-                        double all_seconds) {
-  r.number("pace", pace_word(how), "", "how the run went through the edges");
+void simulator_figures::describe(config::report& r) const {
+  const auto per_ray = [this](double figure) { return rays == 0 ? 0.0 : figure / static_cast<double>(rays); };
+  r.number("pace", pace, "", "how the run came by its cycles");
   r.number("run_seconds", run_seconds, "s", "wall time of the simulation alone");
   r.number("all_seconds", all_seconds, "s", "wall time with scene, jobs, pictures and logs");
   r.number("rays_per_second", static_cast<double>(rays) / run_seconds, "1/s", "rays simulated by wall time");
   r.number("cycles_per_second", static_cast<double>(cycles) / run_seconds, "1/s", "cycles simulated by wall time");
-  r.number("edges", stats.edges, "edges", "clock edges at which units were called");
-  r.number("unit_edges", stats.unit_edges, "calls", "calls of a unit at an edge");
-  r.number("wake_ups", stats.wake_ups, "calls", "calls of the clock's SystemC process");
-  r.number("edges_per_ray", static_cast<double>(stats.edges) / static_cast<double>(rays), "edges", "edges by rays");
-}
-
-json describe_simulator(const clock_domain& clock, pace how, std::uint64_t rays, double run_seconds, double all_seconds) {
-  config::report r;
-  describe_simulator(r, clock.stats(), how, rays, clock.next_edge(), run_seconds, all_seconds);
-  return r.values();
+  r.number("ns_per_ray", per_ray(1e9 * run_seconds), "ns", "wall time by rays");
+  r.number("edges", clock.edges, "edges", "clock edges at which units were called; a replay has none");
+  r.number("unit_edges", clock.unit_edges, "calls", "calls of a unit at an edge");
+  r.number("wake_ups", clock.wake_ups, "calls", "calls of the clock's SystemC process");
+  r.number("edges_per_ray", per_ray(static_cast<double>(clock.edges)), "edges", "edges by rays");
 }
 
 void write_record(const std::filesystem::path& file, const run_record& record) {

@@ -22,9 +22,16 @@ struct run_record {
 };
 
 /// The simulator's own speed.
-nlohmann::ordered_json describe_simulator(const clock_domain& clock, pace how, std::uint64_t rays, double run_seconds, double all_seconds);
-void describe_simulator(config::report& r, const clock_stats& stats, pace how, std::uint64_t rays, std::uint64_t cycles, double run_seconds,
-                        double all_seconds);
+struct simulator_figures {
+  std::string pace;
+  std::uint64_t rays = 0;
+  std::uint64_t cycles = 0;
+  double run_seconds = 0;
+  double all_seconds = 0;
+  clock_stats clock;
+
+  void describe(config::report& r) const;
+};
 
 /// Errors: input_error when the file can't be written.
 void write_record(const std::filesystem::path& file, const run_record& record);

@@ -18,16 +18,17 @@ class float_to_fixed : public pipeline_unit<std::uint32_t, std::int64_t, numeric
     numeric::float_to_fixed_errata conversion;
   };
 
-  float_to_fixed(const sc_core::sc_module_name& name, const params& p) : pipeline_unit(name), params_(p) {}
+  float_to_fixed(const sc_core::sc_module_name& name, const params& p) : pipeline_unit(name), converter_(p.format, p.conversion) {}
 
   const numeric::float_to_fixed_stats& statistics() const { return stats_; }
 
  private:
   std::int64_t process(const std::uint32_t& float_bits) override {
-    return numeric::float_to_fixed(float_bits, params_.format, params_.conversion, stats_);
+    ++stats_.conversions;
+    return converter_(float_bits, stats_);
   }
 
-  params params_;
+  numeric::float_to_fixed_converter converter_;
   numeric::float_to_fixed_stats stats_;
 };
 

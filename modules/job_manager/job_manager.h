@@ -33,11 +33,21 @@ class job_manager : public pipeline_unit<job_packet, traversal_job, 1 + numeric:
   traversal_job process(const job_packet& packet) override;
   void trace(waveform& w) const override;
 
-  params params_;
+  numeric::float_to_fixed_converter converter_;
   stats stats_;
 };
 
 /// What a job becomes in the job manager; its `sequence` is left 0.
-traversal_job convert(const job_packet& packet, const job_manager::params& p, numeric::float_to_fixed_stats& stats);
+inline traversal_job convert(const job_packet& packet, const numeric::float_to_fixed_converter& converter, numeric::float_to_fixed_stats& stats) {
+  traversal_job job;
+  job.job_word = packet.job_word;
+  job.address = packet.address;
+  for (unsigned i = 0; i < 3; ++i) {
+    job.t0[i] = converter(packet.t0[i], stats);
+    job.t1[i] = converter(packet.t1[i], stats);
+  }
+  stats.conversions += 6;
+  return job;
+}
 
 }  // namespace rtusim

@@ -2,38 +2,39 @@
 
 namespace rtusim::numeric {
 
-std::int64_t float_to_fixed(std::uint32_t float_bits, const fixed_format& format, const float_to_fixed_errata& errata,
-                            float_to_fixed_stats& stats) {
-  ++stats.conversions;
+float_to_fixed_converter::float_to_fixed_converter(const fixed_format& format, const float_to_fixed_errata& errata)
+    : format_(format), saturate_to_zero_(errata.saturate_to_zero), clear_lsb_(errata.odd_exponent_lsb) {
+  const auto n_i = static_cast<int>(format.integer_bits);
+  const auto n_f = static_cast<int>(format.fraction_bits);
+  // As built, unbiased exponents up to 1 - n_f give 0; right, those below -n_f do.
+  least_ = static_cast<unsigned>((errata.flush_small ? 2 - n_f : -n_f) + static_cast<int>(bias));
+  greatest_ = static_cast<unsigned>(n_i - 2 + static_cast<int>(bias));
+  // Mantissa times 2^(exponent + n_f - 23), of a mantissa shifted up by 40.
+  shift_ = static_cast<unsigned>(40 + 23 - n_f + static_cast<int>(bias));
+}
+
+std::int64_t float_to_fixed_converter::at_the_ends(std::uint32_t float_bits, float_to_fixed_stats& stats) const {
   const bool negative = float_bits >> 31;
-  const int exponent = static_cast<int>((float_bits >> 23) & 0xff) - 127;
+  const unsigned biased = float_bits >> 23 & 0xff;
   const std::uint32_t fraction = float_bits & 0x7fffff;
-
-  // The most negative number is the one magnitude at the limit that fits.
-  if (exponent >= static_cast<int>(format.integer_bits) - 1) {
-    const bool fits = negative && exponent == static_cast<int>(format.integer_bits) - 1 && fraction == 0;
-    if (exponent == 128 && fraction != 0)
-      ++stats.nans;
-    else if (!fits)
-      ++stats.overflows;
-    if (errata.saturate_to_zero) return 0;
-    return negative ? format.least() : format.greatest();
-  }
-
-  std::uint64_t magnitude = 0;
-  const bool flush = errata.flush_small && exponent <= 1 - static_cast<int>(format.fraction_bits);
-  if (exponent != -127 && !flush) {
-    const std::uint64_t mantissa = std::uint64_t{0x800000} | fraction;
-    const int up = exponent + static_cast<int>(format.fraction_bits) - 23;
-    magnitude = up >= 0 ? mantissa << up : -up < 64 ? mantissa >> -up : 0;
-  }
-  if (magnitude == 0) {
+  if (biased < least_) {
     if (float_bits << 1 != 0) ++stats.flushed;
     return 0;
   }
-  if (errata.odd_exponent_lsb && exponent > 0 && exponent % 2 == 1) magnitude &= ~std::uint64_t{1};
-  const auto value = static_cast<std::int64_t>(magnitude);
-  return negative ? -value : value;
+  // The most negative number is the one magnitude at the limit that fits.
+  const bool fits = negative && biased == greatest_ + 1 && fraction == 0;
+  if (biased == 0xff && fraction != 0)
+    ++stats.nans;
+  else if (!fits)
+    ++stats.overflows;
+  if (saturate_to_zero_) return 0;
+  return negative ? format_.least() : format_.greatest();
+}
+
+std::int64_t float_to_fixed(std::uint32_t float_bits, const fixed_format& format, const float_to_fixed_errata& errata,
+                            float_to_fixed_stats& stats) {
+  ++stats.conversions;
+  return float_to_fixed_converter(format, errata)(float_bits, stats);
 }
 
 void float_to_fixed_errata::describe(config::section& s) {

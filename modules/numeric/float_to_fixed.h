@@ -31,8 +31,37 @@ struct float_to_fixed_stats {
   void describe(config::report& r) const;
 };
 
-/// Converts an IEEE binary32 word to fixed point, truncating toward zero, saturating; a NaN saturates by its sign bit.
-/// Returns the raw word, sign-extended.
+/// Converts IEEE binary32 words to fixed point, truncating toward zero, saturating; a NaN saturates by its sign bit.
+class float_to_fixed_converter {
+ public:
+  float_to_fixed_converter(const fixed_format& format, const float_to_fixed_errata& errata);
+
+  /// The raw word, sign-extended. What loses its value is counted; the conversions are the caller's to count.
+  std::int64_t operator()(std::uint32_t float_bits, float_to_fixed_stats& stats) const {
+    const unsigned biased = float_bits >> 23 & 0xff;
+    if (biased < least_ || biased > greatest_) return at_the_ends(float_bits, stats);
+    // The binary point of the shifted mantissa lies so high that only a right shift is left.
+    std::uint64_t magnitude = (std::uint64_t{0x800000} | (float_bits & 0x7fffff)) << 40 >> (shift_ - biased);
+    if (clear_lsb_ && biased > bias && ((biased ^ bias) & 1) != 0) magnitude &= ~std::uint64_t{1};
+    const auto value = static_cast<std::int64_t>(magnitude);
+    return float_bits >> 31 ? -value : value;
+  }
+
+ private:
+  static constexpr unsigned bias = 127;
+
+  /// What is too small, too large, or no number.
+  std::int64_t at_the_ends(std::uint32_t float_bits, float_to_fixed_stats& stats) const;
+
+  fixed_format format_;
+  bool saturate_to_zero_;
+  bool clear_lsb_;
+  unsigned least_;     // biased exponents between which a word keeps some of its value
+  unsigned greatest_;
+  unsigned shift_;
+};
+
+/// One conversion of that kind.
 std::int64_t float_to_fixed(std::uint32_t float_bits, const fixed_format& format, const float_to_fixed_errata& errata,
                             float_to_fixed_stats& stats);
 

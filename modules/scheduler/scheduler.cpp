@@ -50,9 +50,10 @@ void scheduler::input_valid(cycle from, cycle to) {
   if (policy_ != policy::cyclic_first_available) return;
   const unsigned cores = idle_cores_.lines();
   const cycle length = to - from;
-  whole_turns_ += length / cores;
+  const cycle turns = length < cores ? 0 : length / cores;
+  whole_turns_ += turns;
   const unsigned first = idle_cores_.selected(from);
-  const unsigned behind = first + static_cast<unsigned>(length % cores);
+  const unsigned behind = first + static_cast<unsigned>(length - turns * cores);
   ++turn_steps_[first];
   if (behind <= cores) {
     --turn_steps_[behind];

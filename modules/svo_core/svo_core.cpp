@@ -23,7 +23,6 @@ void svo_core::reset() {
 }
 
 void svo_core::accept(const traversal_job& job) {
-  job_ = job;
   outcome_before_ = outcome_;
   bus_before_ = bus_;
   outcome_ = walk_(job, memory_);
@@ -49,7 +48,9 @@ void svo_core::edge() {
     ++jobs_;
     hits_ += outcome_.hit;
     cost_ += outcome_.cost;
-    visits_ += visits_of(outcome_);
+    pushes_ += outcome_.pushes;
+    depth_ += outcome_.depth;
+    ends_ += !outcome_.hit && outcome_.cost > 2;
     released_ = now();
     result_out->offer_valid(offer::none());
     job_in->offer_ready(offer::always_from(now() + 1));
@@ -65,7 +66,7 @@ void svo_core::settle_registers() {
     if (machine_edge_ <= accepted_) {
       // Either the machine stands where the last job left it, or it never stepped through that job.
       machine_.inherit(outcome_before_.child, outcome_before_.depth, bus_before_);
-      machine_.accept(job_);
+      machine_.accept(job_in->data());  // the last job's, until another comes
       machine_edge_ = accepted_ + 1;
     }
     const cycle last_step = accepted_ + 1 + outcome_.cost;
@@ -98,7 +99,7 @@ svo_core::stats svo_core::statistics() {
   s.jobs = jobs_;
   s.hits = hits_;
   s.cost = cost_;
-  s.visits = visits_;
+  s.visits = visits_of_sums(jobs_, cost_, pushes_, depth_, ends_);
   if (accepted_ != never && released_ == never) {
     settle_registers();
     s.visits += machine_.visits();

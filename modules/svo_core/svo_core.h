@@ -64,11 +64,12 @@ class svo_core : public unit {
   std::uint64_t jobs_ = 0;
   std::uint64_t hits_ = 0;
   std::uint64_t cost_ = 0;
-  svo_visits visits_;         // of the jobs whose result was taken
+  std::uint64_t pushes_ = 0;  // with those above: of the jobs whose result was taken
+  std::uint64_t depth_ = 0;
+  std::uint64_t ends_ = 0;
 
   // The state machine follows the outcome when somebody watches.
   svo_machine machine_;
-  traversal_job job_;
   svo_outcome outcome_before_;
   svo_result_registers bus_before_;
   cycle machine_edge_ = 0;    // the machine's registers stand just before this edge

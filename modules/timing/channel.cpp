@@ -6,8 +6,7 @@
 
 namespace rtusim {
 
-channel_base::channel_base(const char* name) : sc_object(name), booking(what::channel), domain_(&clock_domain::current()) {
-  domain_->add(*this);
+channel_base::channel_base(const char* name) : sc_object(name), booking(what::channel), clock_(&clock_domain::current().join(*this)) {
 }
 
 void channel_base::register_port(sc_core::sc_port_base& port, const char*) {
@@ -20,45 +19,19 @@ void channel_base::register_port(sc_core::sc_port_base& port, const char*) {
   place = owner;
 }
 
-void channel_base::offer_valid(offer o) {
-  settle_valid();
-  valid_ = o;
-  domain_->mark_dirty(*this);
+void channel_base::tell_upstream() {
+  RTU_CHECK(ready_.when == nullptr, ==, true);
+  RTU_CHECK(ready_.from == never || ready_.from <= clock_->next, ==, true);
+  upstream_->output_ready(output_, ready_.from != never);
 }
 
-void channel_base::offer_ready(offer o) {
-  settle_ready();
-  ready_ = o;
-  if (upstream_ == nullptr) {
-    domain_->mark_dirty(*this);
-    return;
-  }
-  RTU_CHECK(o.when == nullptr, ==, true);
-  RTU_CHECK(o.from == never || o.from <= domain_->next_edge(), ==, true);
-  upstream_->output_ready(output_, o.from != never);
+void channel_base::tell_junction(cycle end) {
+  RTU_CHECK(valid_.when == nullptr, ==, true);
+  const cycle begin = std::max(valid_since_, valid_.from);
+  if (begin < end) downstream_->input_valid(begin, end);
 }
 
-void channel_base::settle_valid() {
-  const cycle end = domain_->next_edge();
-  if (end == valid_since_) return;
-  if (downstream_ != nullptr) {
-    RTU_CHECK(valid_.when == nullptr, ==, true);
-    const cycle begin = std::max(valid_since_, valid_.from);
-    if (begin < end) downstream_->input_valid(begin, end);
-  }
-  valid_cycles_ += valid_.count(valid_since_, end);
-  valid_since_ = end;
-}
-
-void channel_base::settle_ready() {
-  const cycle end = domain_->next_edge();
-  if (end == ready_since_) return;
-  ready_cycles_ += ready_.count(ready_since_, end);
-  ready_since_ = end;
-}
-
-cycle channel_base::first_fire(cycle from, cycle horizon) const {
-  if (valid_.when == nullptr && ready_.when == nullptr) return std::max({from, valid_.from, ready_.from});
+cycle channel_base::first_meeting(cycle from, cycle horizon) const {
   for (cycle v = valid_.next(from); v <= horizon;) {
     const cycle r = ready_.next(v);
     if (r == v) return v;
@@ -75,7 +48,7 @@ channel_stats channel_base::stats() {
     settle_valid();
   else
     valid_cycles_ = upstream_->valid_cycles(output_);
-  const std::uint64_t all = domain_->next_edge();
+  const std::uint64_t all = clock_->next;
   return {transfers_, ready_cycles_ - transfers_, valid_cycles_ - transfers_, all + transfers_ - valid_cycles_ - ready_cycles_};
 }
 

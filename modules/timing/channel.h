@@ -8,6 +8,7 @@
 
 #include "modules/config/report.h"
 #include "modules/timing/calendar.h"
+#include "modules/timing/clock_state.h"
 #include "modules/timing/offer.h"
 #include "modules/timing/unit.h"
 
@@ -42,11 +43,32 @@ class channel_base : public sc_core::sc_object, public virtual sc_core::sc_inter
   unit& consumer() const { return *consumer_; }
 
   /// Replaces the producer's (consumer's) offer from the next cycle on.
-  void offer_valid(offer o);
-  void offer_ready(offer o);
+  void offer_valid(offer o) {
+    settle_valid();
+    valid_ = o;
+    mark_dirty();
+  }
+  void offer_ready(offer o) {
+    settle_ready();
+    ready_ = o;
+    if (upstream_ == nullptr)
+      mark_dirty();
+    else
+      tell_upstream();
+  }
   /// Call before the pattern behind the present ready (valid) offer changes its mind, then offer again.
-  void settle_valid();
-  void settle_ready();
+  void settle_valid() {
+    const cycle end = clock_->next;
+    if (end == valid_since_) return;
+    if (downstream_ != nullptr) tell_junction(end);
+    valid_cycles_ += valid_.count(valid_since_, end);
+    valid_since_ = end;
+  }
+  void settle_ready() {
+    const cycle end = clock_->next;
+    ready_cycles_ += ready_.count(ready_since_, end);
+    ready_since_ = end;
+  }
   /// A consumer with many inputs lists the transfers of this one as `which` in its `arrivals`.
   void report_arrivals_as(unsigned which) { arrival_ = which; }
   const offer& valid() const { return valid_; }
@@ -76,11 +98,22 @@ class channel_base : public sc_core::sc_object, public virtual sc_core::sc_inter
 
   static constexpr unsigned unlisted = ~0u;
 
-  cycle first_fire(cycle from, cycle horizon) const;
+  void mark_dirty() {
+    if (dirty_) return;
+    dirty_ = true;
+    clock_->dirty[rank_].push_back(this);
+  }
+  void tell_junction(cycle end);
+  void tell_upstream();
+  cycle first_fire(cycle from, cycle horizon) const {
+    if (valid_.when == nullptr && ready_.when == nullptr) return std::max({from, valid_.from, ready_.from});
+    return first_meeting(from, horizon);
+  }
+  cycle first_meeting(cycle from, cycle horizon) const;
   void check_levels(cycle c);
   void show_levels(cycle c);
 
-  clock_domain* domain_ = nullptr;
+  clock_state* clock_;
   unit* producer_ = nullptr;
   unit* consumer_ = nullptr;
   junction* upstream_ = nullptr;    // the junction that drives valid

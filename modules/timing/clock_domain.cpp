@@ -38,18 +38,16 @@ clock_domain& clock_domain::current() {
 
 void clock_domain::add(unit& u) {
   u.domain_ = this;
+  u.clock_ = &clock_;
   units_.push_back(&u);
 }
 
-void clock_domain::add(channel_base& c) { channels_.push_back(&c); }
+clock_state& clock_domain::join(channel_base& c) {
+  channels_.push_back(&c);
+  return clock_;
+}
 
 void clock_domain::depends(channel_base& offers_of, channel_base& source) { source.dependents_.push_back(&offers_of); }
-
-void clock_domain::mark_dirty(channel_base& c) {
-  if (c.dirty_) return;
-  c.dirty_ = true;
-  dirty_[c.rank_].push_back(&c);
-}
 
 void clock_domain::start_of_simulation() {
   for (const channel_base* c : channels_)
@@ -85,7 +83,7 @@ void clock_domain::rank_channels() {
     }
   }
   if (ranked != channels_.size()) throw simulation_error("the offers of the channels depend on each other in a cycle");
-  dirty_.resize(highest + 1);
+  clock_.dirty.resize(highest + 1);
 }
 
 void clock_domain::record(waveform& w, cycle from, cycle to) {
@@ -94,9 +92,9 @@ void clock_domain::record(waveform& w, cycle from, cycle to) {
   record_to_ = to;
 }
 
-void clock_domain::start_recording() { record_from_ = next_; }
+void clock_domain::start_recording() { record_from_ = clock_.next; }
 
-void clock_domain::stop_recording() { record_to_ = next_; }
+void clock_domain::stop_recording() { record_to_ = clock_.next; }
 
 void clock_domain::start() {
   sc_core::sc_start();
@@ -106,7 +104,7 @@ void clock_domain::start() {
 void clock_domain::wake_up() {
   try {
     ++stats_.wake_ups;
-    if (sc_core::sc_time_stamp() == begin_of(next_))
+    if (sc_core::sc_time_stamp() == begin_of(clock_.next))
       begin_cycle();
     else
       run_edges();
@@ -119,7 +117,7 @@ void clock_domain::wake_up() {
 sc_core::sc_time clock_domain::begin_of(cycle c) const { return period_ * static_cast<double>(c); }
 
 void clock_domain::begin_cycle() {
-  if (recording(next_)) {
+  if (recording(clock_.next)) {
     catch_up();
     waveform_->open(*this);
   }
@@ -129,7 +127,7 @@ void clock_domain::begin_cycle() {
 void clock_domain::run_edges() {
   for (unsigned n = 0;; ++n) {
     if (tick_ && ++edges_to_tick_ % 100'000 == 0) tick_();
-    edge(next_);
+    edge(clock_.next);
     if (stopping_) {
       catch_up();
       if (pace_ == pace::checked) count_checked();
@@ -137,12 +135,12 @@ void clock_domain::run_edges() {
       return;
     }
     // The next edge of interest: every one while stepping or recording, else the earliest that is booked.
-    cycle target = next_;
-    if (pace_ == pace::skipping && !recording(next_)) {
+    cycle target = clock_.next;
+    if (pace_ == pace::skipping && !recording(clock_.next)) {
       target = std::min(calendar_.earliest(), last_transfer_ + watchdog_ + 1);
-      if (waveform_ != nullptr && next_ < record_from_) target = std::min(target, record_from_);
+      if (waveform_ != nullptr && clock_.next < record_from_) target = std::min(target, record_from_);
     }
-    next_ = target;
+    clock_.next = target;
     if (recording(target) || n == edges_a_wake_up || sc_core::sc_pending_activity()) {
       const bool begins = waveform_ != nullptr && target == record_from_;
       next_trigger(begin_of(begins ? target : target + 1) - sc_core::sc_time_stamp());
@@ -158,8 +156,8 @@ void clock_domain::edge(cycle c) {
   current_ = every;
   if (pace_ == pace::checked) check_levels();
   if (every && watcher_) watcher_(c);
-  now_ = c;
-  next_ = c + 1;
+  clock_.now = c;
+  clock_.next = c + 1;
   ++stats_.edges;
   if (every) {
     for (unit* u : units_) u->due_ = true;
@@ -179,8 +177,8 @@ void clock_domain::edge(cycle c) {
   resolve();
   if (every) {
     for (unit* u : units_) u->settle_registers();
-    if (recording(next_) && c + 1 != record_from_) waveform_->show(*this);
-    if (waveform_ != nullptr && next_ == record_to_) waveform_->close();
+    if (recording(clock_.next) && c + 1 != record_from_) waveform_->show(*this);
+    if (waveform_ != nullptr && clock_.next == record_to_) waveform_->close();
   }
 }
 
@@ -202,7 +200,7 @@ void clock_domain::fire(channel_base& ch, cycle c) {
     fire(ch.downstream_->pass(c), c);
   }
   // Whether a transfer comes again is asked anew even if neither side says more.
-  if (ch.upstream_ == nullptr) mark_dirty(ch);
+  if (ch.upstream_ == nullptr) ch.mark_dirty();
 }
 
 void clock_domain::call_units(cycle c) {
@@ -224,14 +222,14 @@ void clock_domain::call_units(cycle c) {
 }
 
 void clock_domain::resolve() {
-  const cycle horizon = next_ + watchdog_;
-  for (auto& rank : dirty_) {
+  const cycle horizon = clock_.next + watchdog_;
+  for (auto& rank : clock_.dirty) {
     for (std::size_t i = 0; i < rank.size(); ++i) {
       channel_base& ch = *rank[i];
       ch.dirty_ = false;
-      const cycle fires = ch.first_fire(next_, horizon);
+      const cycle fires = ch.first_fire(clock_.next, horizon);
       calendar_.book(ch, fires);
-      for (channel_base* d : ch.dependents_) mark_dirty(*d);
+      for (channel_base* d : ch.dependents_) d->mark_dirty();
     }
     rank.clear();
   }
@@ -239,19 +237,19 @@ void clock_domain::resolve() {
 
 void clock_domain::catch_up() {
   for (unit* u : units_) {
-    if (u->next_edge_ < next_) u->idle(next_ - u->next_edge_);
-    u->next_edge_ = next_;
+    if (u->next_edge_ < clock_.next) u->idle(clock_.next - u->next_edge_);
+    u->next_edge_ = clock_.next;
     u->settle_registers();
   }
 }
 
 void clock_domain::check_levels() {
-  for (channel_base* ch : channels_) ch->check_levels(next_);
+  for (channel_base* ch : channels_) ch->check_levels(clock_.next);
   ++checked_;
 }
 
 void clock_domain::count_checked() {
-  if (checked_ != next_) return;  // not from the beginning
+  if (checked_ != clock_.next) return;  // not from the beginning
   for (channel_base* ch : channels_) {
     const channel_stats s = ch->stats();
     RTU_CHECK(s.transferred + s.held_back, ==, ch->checked_valid_cycles_);
@@ -262,7 +260,7 @@ void clock_domain::count_checked() {
 void clock_domain::report_deadlock() const {
   std::string chain;
   for (const channel_base* ch : channels_) {
-    const bool v = ch->upstream_ == nullptr ? ch->valid_.asserts(next_) : false;
+    const bool v = ch->upstream_ == nullptr ? ch->valid_.asserts(clock_.next) : false;
     if (!v) continue;
     chain += fmt::format("{}{}: {} waits for {}", chain.empty() ? "" : "; ", ch->name(), ch->producer_->basename(), ch->consumer_->basename());
   }

@@ -9,6 +9,7 @@
 #include <systemc>
 
 #include "modules/timing/calendar.h"
+#include "modules/timing/clock_state.h"
 #include "modules/timing/offer.h"
 
 namespace rtusim {
@@ -45,9 +46,9 @@ class clock_domain : public sc_core::sc_module {
   static clock_domain& current();
 
   /// The edge being done.
-  cycle now() const { return now_; }
+  cycle now() const { return clock_.now; }
   /// The edge to be done next: all before it are done.
-  cycle next_edge() const { return next_; }
+  cycle next_edge() const { return clock_.next; }
   const sc_core::sc_time& period() const { return period_; }
   const clock_stats& stats() const { return stats_; }
 
@@ -84,8 +85,7 @@ class clock_domain : public sc_core::sc_module {
   friend class waveform;
 
   void add(unit& u);
-  void add(channel_base& c);
-  void mark_dirty(channel_base& c);
+  clock_state& join(channel_base& c);
   void start_of_simulation() override;
   void rank_channels();
   sc_core::sc_time begin_of(cycle c) const;
@@ -106,8 +106,7 @@ class clock_domain : public sc_core::sc_module {
   pace pace_ = pace::skipping;
   cycle watchdog_ = 1'000'000;
   std::uint32_t shuffle_ = 0;
-  cycle now_ = never;
-  cycle next_ = 0;
+  clock_state clock_;
   cycle last_transfer_ = 0;
   bool stopping_ = false;
   bool current_ = true;    // whether all units' registers stand at next_
@@ -122,7 +121,6 @@ class clock_domain : public sc_core::sc_module {
   std::vector<channel_base*> channels_;
   std::vector<unit*> due_;
   std::vector<channel_base*> fired_;
-  std::vector<std::vector<channel_base*>> dirty_;  // by rank
   clock_stats stats_;
 
   waveform* waveform_ = nullptr;

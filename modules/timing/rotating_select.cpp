@@ -4,7 +4,10 @@ namespace rtusim {
 
 rotating_select::rotating_select(unsigned lines) : lines_(lines), bits_((lines + 63) / 64) {}
 
-void rotating_select::select(unsigned line, cycle c) { phase_ = static_cast<unsigned>((line + lines_ - c % lines_) % lines_); }
+void rotating_select::select(unsigned line, cycle c) {
+  phase_ = static_cast<unsigned>((line + lines_ - c % lines_) % lines_);
+  remember(c, line);
+}
 
 void rotating_select::set_line(unsigned i, bool on) {
   if (line(i) == on) return;
@@ -43,8 +46,9 @@ std::uint64_t rotating_select::count_lines(unsigned begin, unsigned end) const {
 
 std::uint64_t rotating_select::count(cycle from, cycle to) const {
   if (on_ == 0 || from >= to) return 0;
-  const std::uint64_t turns = (to - from) / lines_;
-  const auto rest = static_cast<unsigned>((to - from) % lines_);
+  const cycle length = to - from;
+  const std::uint64_t turns = length < lines_ ? 0 : length / lines_;
+  const auto rest = static_cast<unsigned>(length - turns * lines_);
   const unsigned first = selected(from);
   const std::uint64_t part = first + rest <= lines_ ? count_lines(first, first + rest)
                                                     : count_lines(first, lines_) + count_lines(0, first + rest - lines_);

@@ -14,7 +14,13 @@ class rotating_select final : public pattern {
   explicit rotating_select(unsigned lines);
 
   unsigned lines() const { return lines_; }
-  unsigned selected(cycle c) const { return static_cast<unsigned>((c + phase_) % lines_); }
+  unsigned selected(cycle c) const {
+    // Cycles come in order, mostly: the line follows from the last one asked for.
+    const cycle ahead = c - known_cycle_;
+    if (ahead >= lines_) return remember(c, static_cast<unsigned>((c + phase_) % lines_));
+    const unsigned line = known_line_ + static_cast<unsigned>(ahead);
+    return remember(c, line < lines_ ? line : line - lines_);
+  }
   /// Turns the register so that it selects `line` in cycle c.
   void select(unsigned line, cycle c);
 
@@ -28,12 +34,19 @@ class rotating_select final : public pattern {
   std::uint64_t count(cycle from, cycle to) const override;
 
  private:
+  unsigned remember(cycle c, unsigned line) const {
+    known_cycle_ = c;
+    known_line_ = line;
+    return line;
+  }
   unsigned first_from(unsigned line) const;             // >= line, or lines_
   std::uint64_t count_lines(unsigned begin, unsigned end) const;
 
   unsigned lines_;
   unsigned on_ = 0;
   unsigned phase_ = 0;
+  mutable cycle known_cycle_ = 0;  // a cycle and the line selected in it
+  mutable unsigned known_line_ = 0;
   std::vector<std::uint64_t> bits_;
 };
 

@@ -6,8 +6,6 @@ namespace rtusim {
 
 unit::unit(const sc_core::sc_module_name& name) : sc_module(name), booking(what::unit) { clock_domain::current().add(*this); }
 
-cycle unit::now() const { return domain_->now(); }
-
 void unit::book_edge(cycle c) { domain_->book(*this, c); }
 
 }  // namespace rtusim

@@ -7,6 +7,7 @@
 
 #include "modules/config/report.h"
 #include "modules/timing/calendar.h"
+#include "modules/timing/clock_state.h"
 
 namespace rtusim {
 
@@ -44,7 +45,7 @@ class unit : public sc_core::sc_module, public booking {
   virtual void trace(waveform& w) const = 0;
 
   /// The cycle of the edge being done.
-  cycle now() const;
+  cycle now() const { return clock_->now; }
   /// Asks for `edge()` at cycle c even if no port fires then; a later call replaces an earlier one, `never` takes it back.
   void book_edge(cycle c);
   clock_domain& domain() const { return *domain_; }
@@ -56,6 +57,7 @@ class unit : public sc_core::sc_module, public booking {
   friend class channel_base;
   friend class waveform;
   clock_domain* domain_ = nullptr;
+  const clock_state* clock_ = nullptr;
   cycle next_edge_ = 0;
   bool due_ = false;
   std::vector<unsigned> arrivals_;

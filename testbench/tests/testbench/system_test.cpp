@@ -74,7 +74,7 @@ outcome simulate(const design& d, const surroundings& s, const svo_image& image,
     simulation sim(d, s, image.words, jobs, p);
     sim.clock().shuffle_units(shuffle);
     std::string log = log_header;
-    sim.board().on_result([&](cycle c, const traversal_result& r, const ray_waits&) { log += log_line(c, r); });
+    sim.board().on_result([&](cycle c, const traversal_result& r, std::uint64_t) { log += log_line(c, r); });
     sim.run();
     config::report report;
     sim.figures().describe(report);

@@ -1,0 +1,88 @@
+#include <benchmark/benchmark.h>
+
+#include <stdexcept>
+
+#include "modules/memory/memory.h"
+#include "modules/svo_core/svo_walk.h"
+#include "testbench/benchmarks/frame_jobs.h"
+#include "testbench/benchmarks/reference_walk.h"
+#include "testbench/replay.h"
+
+namespace rtusim {
+namespace {
+
+void per_ray(benchmark::State& state, std::size_t rays) {
+  state.counters["ns_per_ray"] =
+      benchmark::Counter(static_cast<double>(rays) * 1e-9, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+}
+
+void reference(benchmark::State& state) {
+  const word_view words = view_of(dragon().words, {});
+  const svo_walk walk(as_built().svo_core_params_with_format());
+  for (const traversal_job& job : frame_jobs()) {
+    const reference_outcome r = reference_walk(job, words);
+    const svo_outcome o = walk(job, words);
+    if (r.hit != o.hit || r.cost != o.cost || (r.hit && r.t_hit != o.t_hit)) throw std::logic_error("the yardstick walks elsewhere");
+  }
+  for (auto _ : state)
+    for (const traversal_job& job : frame_jobs()) benchmark::DoNotOptimize(reference_walk(job, words));
+  per_ray(state, frame_jobs().size());
+}
+BENCHMARK(reference)->Name("walk/reference")->Unit(benchmark::kMillisecond);
+
+void ours(benchmark::State& state, const design& d) {
+  const word_view words = view_of(dragon().words, {});
+  const svo_walk walk(d.svo_core_params_with_format());
+  for (auto _ : state)
+    for (const traversal_job& job : frame_jobs()) benchmark::DoNotOptimize(walk(job, words));
+  per_ray(state, frame_jobs().size());
+}
+BENCHMARK_CAPTURE(ours, as_built, as_built())->Name("walk/as_built")->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(ours, right, design())->Name("walk/right")->Unit(benchmark::kMillisecond);
+
+design wide() {
+  design d = as_built();
+  d.fixed_point = {24, 24};
+  return d;
+}
+BENCHMARK_CAPTURE(ours, wide, wide())->Name("walk/48_bits")->Unit(benchmark::kMillisecond);
+
+void convert_frame(benchmark::State& state) {
+  const numeric::float_to_fixed_converter converter(as_built().fixed_point, as_built().float_to_fixed);
+  numeric::float_to_fixed_stats stats;
+  for (auto _ : state)
+    for (const job_packet& packet : frame_packets()) benchmark::DoNotOptimize(convert(packet, converter, stats));
+  per_ray(state, frame_packets().size());
+}
+BENCHMARK(convert_frame)->Name("float_to_fixed/six_a_ray")->Unit(benchmark::kMillisecond);
+
+void camera_frame(benchmark::State& state) {
+  for (auto _ : state) benchmark::DoNotOptimize(camera_jobs({}, {}, true, 0, static_cast<unsigned>(state.range(0))));
+  per_ray(state, frame_packets().size());
+}
+BENCHMARK(camera_frame)->Name("camera/threads")->Arg(1)->Arg(2)->Unit(benchmark::kMillisecond)->UseRealTime();
+
+void walk_all(benchmark::State& state) {
+  for (auto _ : state)
+    benchmark::DoNotOptimize(walk_rays(as_built(), dragon().words, frame_packets(), static_cast<unsigned>(state.range(0))));
+  per_ray(state, frame_packets().size());
+}
+BENCHMARK(walk_all)->Name("replay/walks/threads")->Arg(1)->Arg(2)->Unit(benchmark::kMillisecond)->UseRealTime();
+
+void schedule(benchmark::State& state) {
+  const design d = as_built(static_cast<unsigned>(state.range(0)));
+  const walked_rays walked = walk_rays(d, dragon().words, frame_packets(), 2);
+  for (auto _ : state) benchmark::DoNotOptimize(replay(d, {}, walked, {}));
+  per_ray(state, frame_packets().size());
+}
+BENCHMARK(schedule)->Name("replay/schedule/cores")->Arg(1)->Arg(4)->Arg(16)->Arg(64)->Unit(benchmark::kMillisecond);
+
+void replay_all(benchmark::State& state) {
+  const design d = as_built(static_cast<unsigned>(state.range(0)));
+  for (auto _ : state) benchmark::DoNotOptimize(replay(d, {}, walk_rays(d, dragon().words, frame_packets(), 2), {}));
+  per_ray(state, frame_packets().size());
+}
+BENCHMARK(replay_all)->Name("pace/replay/cores")->Arg(1)->Arg(4)->Arg(16)->Arg(64)->Unit(benchmark::kMillisecond)->UseRealTime();
+
+}  // namespace
+}  // namespace rtusim
