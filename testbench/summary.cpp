@@ -46,7 +46,7 @@ void write_record(const std::filesystem::path& file, const run_record& record) {
   const json all{{"format", "rtusim statistics"},      {"version", run_record::version},      {"inputs", record.inputs},
                  {"parameters", record.parameters}, {"statistics", record.statistics}, {"simulator", record.simulator}};
   config::output_file out(file);
-  out.write(all.dump(2) + '\n');
+  out.write(all.dump(2, ' ', false, json::error_handler_t::replace) + '\n');  // a file's name may be no UTF-8
   out.commit();
 }
 
