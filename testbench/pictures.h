@@ -19,6 +19,9 @@ enum class picture_kind : std::uint8_t {
 /// Errors: input_error for an ending other than .png and .exr (in either case), and for NAME.WORD.png with an unknown WORD.
 picture_kind kind_of(const std::filesystem::path& file);
 
+/// Begins to load OpenImageIO on a thread of its own, so that it is there when the run ends.
+void prepare_pictures();
+
 /// Writes a picture through OpenImageIO. The file appears under its name only when whole; the same frame gives the same bytes.
 ///
 /// PNG: 8 bit, sRGB, values rounded down as the thesis' driver does. A pixel without a result is black.
