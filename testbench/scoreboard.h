@@ -67,7 +67,7 @@ using result_handler = std::function<void(cycle, const traversal_result&, std::u
 
 /// Watches an RTU's channels: that each job comes to one result, in order where order is promised, and how long each part took.
 /// A violation is a simulation_error.
-class scoreboard : channel_observer<job_packet>, channel_observer<traversal_job>, channel_observer<traversal_result> {
+class scoreboard final : channel_observer<job_packet>, channel_observer<traversal_job>, channel_observer<traversal_result> {
  public:
   scoreboard(rtu& unit, channel<job_packet>& jobs, channel<traversal_result>& results);
 

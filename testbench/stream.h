@@ -44,7 +44,7 @@ struct sink_params {
 /// - paced: an item is first offered `interval_cycles` after the one before was, or behind that one's transfer if later;
 /// - lfsr: in the cycles in which bit 0 of the register is 1 (the offer may so be taken back).
 template <class T>
-class stream_source : public unit {
+class stream_source final : public unit {
  public:
   rv_out<T> out{"out"};
 
@@ -74,7 +74,6 @@ class stream_source : public unit {
     }
     publish();
   }
-  void idle(cycle) override {}
   void publish() {
     if (sent_ == items_.size()) {
       out->offer_valid(offer::none());
@@ -98,7 +97,7 @@ class stream_source : public unit {
 
 /// Takes items and ends the simulation behind the last one expected.
 template <class T>
-class stream_sink : public unit {
+class stream_sink final : public unit {
  public:
   rv_in<T> in{"in"};
 
@@ -118,7 +117,6 @@ class stream_sink : public unit {
   void edge() override {
     if (in->fired() && ++received_ == expected_) domain().stop();
   }
-  void idle(cycle) override {}
   bool level(const channel_base&) const override {
     return random_ ? (random_->state(next_edge()) & 1) != 0 : params_.ready == regime::always;
   }

@@ -12,7 +12,7 @@ namespace rtusim {
 ///
 /// Timing: one parameter register and the converter's stages, which move together (see `pipeline_unit`): a job accepted at edge e
 /// is offered from edge e + 6 on.
-class job_manager : public pipeline_unit<job_packet, traversal_job, 1 + numeric::float_to_fixed_stages> {
+class job_manager final : public pipeline_unit<job_packet, traversal_job, 1 + numeric::float_to_fixed_stages> {
  public:
   struct params {
     numeric::fixed_format format;             ///< of the section `fixed_point`

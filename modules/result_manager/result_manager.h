@@ -16,7 +16,7 @@ namespace rtusim {
 ///
 /// Timing: an empty buffer takes its core's result at the edge at which that is valid. A select turns by one every clock; the buffer
 /// that it points at is offered if it is full, and empty again from the edge behind the transfer on. Order `as_finished`.
-class result_manager : public unit, private payload_select<traversal_result> {
+class result_manager final : public unit, private payload_select<traversal_result> {
  public:
   enum class order : std::uint8_t { as_finished };
   static config::word_list order_words() { return {"as_finished"}; }
@@ -37,7 +37,6 @@ class result_manager : public unit, private payload_select<traversal_result> {
   void connect() override;
   void reset() override;
   void edge() override;
-  void idle(cycle) override {}
   void settle_registers() override;
   bool level(const channel_base& port) const override;
   void trace(waveform& w) const override;

@@ -18,7 +18,7 @@ namespace rtusim {
 /// - cyclic first available: the select turns by one every clock; the job goes where it points if that core is ready.
 /// - round robin: the select points at the next core in line and moves on when that core takes a job.
 /// - first available: no select; of the cores that are ready, the one with the lowest index.
-class scheduler : public junction, private payload_select<traversal_job> {
+class scheduler final : public junction, private payload_select<traversal_job> {
  public:
   enum class policy : std::uint8_t { cyclic_first_available, round_robin, first_available };
   static config::word_list policy_words() { return {"cyclic_first_available", "round_robin", "first_available"}; }
@@ -39,8 +39,6 @@ class scheduler : public junction, private payload_select<traversal_job> {
  private:
   void connect() override;
   void reset() override;
-  void edge() override {}
-  void idle(cycle) override {}
   void settle_registers() override;
   bool level(const channel_base& port) const override;
   void trace(waveform& w) const override;

@@ -18,7 +18,7 @@ namespace rtusim {
 ///
 /// The memory answers at once and nothing can disturb a traversal, so the core looks ahead: it walks the whole ray at the accepting
 /// edge and steps its state machine only where somebody watches the registers.
-class svo_core : public unit {
+class svo_core final : public unit {
  public:
   using params = svo_core_params;
   struct stats {
@@ -47,7 +47,6 @@ class svo_core : public unit {
   void connect() override;
   void reset() override;
   void edge() override;
-  void idle(cycle) override {}
   void settle_registers() override;
   bool level(const channel_base& port) const override;
   void trace(waveform& w) const override;

@@ -166,9 +166,8 @@ void clock_domain::edge(cycle c) {
   calendar_.take(c, [&](booking& b) {
     if (b.kind == booking::what::channel) {
       fire(static_cast<channel_base&>(b), c);
-    } else if (auto& u = static_cast<unit&>(b); !u.due_) {
-      u.due_ = true;
-      due_.push_back(&u);
+    } else {
+      make_due(static_cast<unit&>(b));
     }
   });
   call_units(c);
@@ -182,6 +181,12 @@ void clock_domain::edge(cycle c) {
   }
 }
 
+inline void clock_domain::make_due(unit& u) {
+  if (u.due_) return;
+  u.due_ = true;
+  due_.push_back(&u);
+}
+
 void clock_domain::fire(channel_base& ch, cycle c) {
   ch.fired_ = true;
   ch.last_fire_ = c;
@@ -190,12 +195,10 @@ void clock_domain::fire(channel_base& ch, cycle c) {
   last_transfer_ = c;
   ch.latch(c);
   if (ch.arrival_ != channel_base::unlisted) ch.consumer_->arrivals_.push_back(ch.arrival_);
-  for (unit* u : {ch.producer_, ch.consumer_}) {
-    if (u->due_) continue;
-    u->due_ = true;
-    due_.push_back(u);
-  }
-  if (ch.downstream_ != nullptr) {
+  if (ch.upstream_ == nullptr) make_due(*ch.producer_);
+  if (ch.downstream_ == nullptr) {
+    make_due(*ch.consumer_);
+  } else {
     ch.settle_valid();
     fire(ch.downstream_->pass(c), c);
   }
@@ -211,7 +214,7 @@ void clock_domain::call_units(cycle c) {
     }
   }
   for (unit* u : due_) {
-    if (u->next_edge_ < c) u->idle(c - u->next_edge_);
+    if (u->moves_when_idle_ && u->next_edge_ < c) u->idle(c - u->next_edge_);
     u->edge();
     u->next_edge_ = c + 1;
     u->due_ = false;
@@ -237,7 +240,7 @@ void clock_domain::resolve() {
 
 void clock_domain::catch_up() {
   for (unit* u : units_) {
-    if (u->next_edge_ < clock_.next) u->idle(clock_.next - u->next_edge_);
+    if (u->moves_when_idle_ && u->next_edge_ < clock_.next) u->idle(clock_.next - u->next_edge_);
     u->next_edge_ = clock_.next;
     u->settle_registers();
   }

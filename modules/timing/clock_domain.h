@@ -94,6 +94,7 @@ class clock_domain : public sc_core::sc_module {
   void run_edges();
   void edge(cycle c);
   void fire(channel_base& ch, cycle c);
+  void make_due(unit& u);
   void call_units(cycle c);
   void resolve();
   void catch_up();

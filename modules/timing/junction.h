@@ -32,8 +32,9 @@ class junction : public unit {
   virtual void output_ready(unsigned which, bool ready) = 0;
   /// The input was valid in the cycles [from, to), in which the registers did not change.
   virtual void input_valid(cycle from, cycle to) = 0;
-  /// The input fires in cycle c: the output that fires with it.
+  /// The input fires in cycle c: the output that fires with it. The registers move here, as there is nothing else that moves them.
   virtual channel_base& pass(cycle c) = 0;
+  void edge() final {}
 
  private:
   friend class channel_base;

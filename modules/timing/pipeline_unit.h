@@ -23,7 +23,7 @@ class pipeline_unit : public unit {
   static constexpr unsigned stages = Stages;
 
  protected:
-  using unit::unit;
+  explicit pipeline_unit(const sc_core::sc_module_name& name) : unit(name) { moves_when_idle(); }
 
   /// The work of all stages, done as the payload enters: nothing depends on when.
   virtual Out process(const In& payload) = 0;

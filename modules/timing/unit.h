@@ -34,8 +34,10 @@ class unit : public sc_core::sc_module, public booking {
   virtual void reset() = 0;
   /// One clock edge, at `now()`; ports tell whether they fired at it.
   virtual void edge() = 0;
-  /// `n` edges at which no port fires and none was booked. Equal to `n` times `edge()`.
-  virtual void idle(cycle n) = 0;
+  /// `n` edges at which no port fires and none was booked. Equal to `n` times `edge()`. A unit whose registers move at such edges
+  /// says so by `moves_when_idle()` in its constructor; the others are not asked.
+  virtual void idle(cycle) {}
+  void moves_when_idle() { moves_when_idle_ = true; }
   /// Brings registers that only a watcher sees (see `waveform`) up to date with `next_edge()`.
   virtual void settle_registers() {}
   /// The valid (of an output) or ready (of an input) in cycle `next_edge()` as the settled registers give it, without any
@@ -60,6 +62,7 @@ class unit : public sc_core::sc_module, public booking {
   const clock_state* clock_ = nullptr;
   cycle next_edge_ = 0;
   bool due_ = false;
+  bool moves_when_idle_ = false;
   std::vector<unsigned> arrivals_;
 };
 
