@@ -6,7 +6,7 @@
 namespace rtusim {
 
 result_manager::result_manager(const sc_core::sc_module_name& name, const params& p, unsigned cores)
-    : unit(name), core_in("core_in", cores), valid_withdrawn_(p.valid_withdrawn), full_(cores), buffers_(cores), shown_full_(cores) {}
+    : unit(name), core_in("core_in", cores), valid_withdrawn_(p.valid_withdrawn && cores > 1), full_(cores), buffers_(cores), shown_full_(cores) {}
 
 void result_manager::connect() {
   for (unsigned i = 0; i < core_in.size(); ++i) core_in[i]->report_arrivals_as(i);

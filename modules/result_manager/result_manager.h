@@ -43,7 +43,7 @@ class result_manager final : public unit, private payload_select<traversal_resul
   const traversal_result& payload_at(cycle c) const override;
   unsigned selected(cycle c) const;
 
-  bool valid_withdrawn_;
+  bool valid_withdrawn_;          // with one buffer the select has nowhere to turn to
   rotating_select full_;          // the select, and which buffers are full
   std::vector<traversal_result> buffers_;
   cycle offered_from_ = never;    // where an offer stays: since when the buffer under the select is offered

@@ -9,7 +9,10 @@
 namespace rtusim {
 
 scheduler::scheduler(const sc_core::sc_module_name& name, const params& p, unsigned cores)
-    : junction(name), core_out("core_out", cores), policy_(p.select), idle_cores_(cores), turn_steps_(cores + 1), valid_cycles_(cores) {}
+    : junction(name),
+      core_out("core_out", cores),
+      policy_(cores == 1 && p.select == policy::cyclic_first_available ? policy::round_robin : p.select),
+      idle_cores_(cores), turn_steps_(cores + 1), valid_cycles_(cores) {}
 
 void scheduler::connect() {
   own_input(*job_in.operator->());
@@ -74,7 +77,7 @@ channel_base& scheduler::pass(cycle c) {
   RTU_CHECK(idle_cores_.line(core), ==, true);
   // First available shows a job to a core only in the cycle in which that takes it.
   if (policy_ == policy::first_available) ++valid_cycles_[core];
-  if (policy_ == policy::round_robin) {
+  if (policy_ == policy::round_robin && idle_cores_.lines() > 1) {
     job_in->settle_ready();
     in_line_ = in_line_ + 1 < idle_cores_.lines() ? in_line_ + 1 : 0;
     job_in->offer_ready(ready_offer());

@@ -49,7 +49,7 @@ class scheduler final : public junction, private payload_select<traversal_job> {
   unsigned selected(cycle c) const;
   offer ready_offer() const;
 
-  policy policy_;
+  policy policy_;               // with one core the select has nowhere to turn to: as round robin
   rotating_select idle_cores_;  // the select register of the cyclic policy, and which cores are ready
   unsigned in_line_ = 0;        // the select register of round robin
   std::uint64_t whole_turns_ = 0;                // valid cycles that every output has had

@@ -34,7 +34,7 @@ class channel_base : public sc_core::sc_object, public virtual sc_core::sc_inter
   enum class side : std::uint8_t { valid, ready };
 
   /// Whether it transfers at the edge being done.
-  bool fired() const { return fired_; }
+  bool fired() const { return last_fire_ == clock_->now && last_fire_ != never; }
   /// The cycle of the next transfer if nothing else fires before, or never.
   cycle fires_at() const { return at; }
   cycle last_fire() const { return last_fire_; }
@@ -101,11 +101,12 @@ class channel_base : public sc_core::sc_object, public virtual sc_core::sc_inter
   void mark_dirty() {
     if (dirty_) return;
     dirty_ = true;
-    clock_->dirty[rank_].push_back(this);
+    clock_->dirty[rank_].push(this);
   }
   void tell_junction(cycle end);
   void tell_upstream();
   cycle first_fire(cycle from, cycle horizon) const {
+    if (valid_.from == never || ready_.from == never) return never;
     if (valid_.when == nullptr && ready_.when == nullptr) return std::max({from, valid_.from, ready_.from});
     return first_meeting(from, horizon);
   }
@@ -129,7 +130,6 @@ class channel_base : public sc_core::sc_object, public virtual sc_core::sc_inter
   std::uint64_t ready_cycles_ = 0;
   std::uint64_t transfers_ = 0;
   cycle last_fire_ = never;
-  bool fired_ = false;
   bool dirty_ = false;
   unsigned rank_ = 0;
   std::vector<channel_base*> dependents_;  // whose offers pass this channel's transfer through

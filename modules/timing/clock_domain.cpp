@@ -18,6 +18,15 @@ clock_domain* current_domain = nullptr;
 /// So many edges at most in one wake-up, so that SystemC's time follows.
 constexpr unsigned edges_a_wake_up = 1u << 16;
 
+/// Whether there is a process that is neither a clock domain's nor a waveform's.
+bool has_foreign_process(const std::vector<sc_core::sc_object*>& objects) {
+  return std::any_of(objects.begin(), objects.end(), [](sc_core::sc_object* o) {
+    const sc_core::sc_object* const owner = o->get_parent_object();
+    const bool ours = dynamic_cast<const clock_domain*>(owner) != nullptr || dynamic_cast<const waveform*>(owner) != nullptr;
+    return (dynamic_cast<sc_core::sc_process_b*>(o) != nullptr && !ours) || has_foreign_process(o->get_child_objects());
+  });
+}
+
 }  // namespace
 
 clock_domain::clock_domain(const sc_core::sc_module_name& name, double clock_mhz)
@@ -58,6 +67,7 @@ void clock_domain::start_of_simulation() {
   for (unit* u : units_) u->reset();
   resolve();
   catch_up();
+  alone_ = !has_foreign_process(sc_core::sc_get_top_level_objects());
 }
 
 void clock_domain::rank_channels() {
@@ -84,6 +94,8 @@ void clock_domain::rank_channels() {
   }
   if (ranked != channels_.size()) throw simulation_error("the offers of the channels depend on each other in a cycle");
   clock_.dirty.resize(highest + 1);
+  for (auto& list : clock_.dirty) list.reserve(channels_.size());
+  due_.reserve(units_.size());
 }
 
 void clock_domain::record(waveform& w, cycle from, cycle to) {
@@ -141,12 +153,18 @@ void clock_domain::run_edges() {
       if (waveform_ != nullptr && clock_.next < record_from_) target = std::min(target, record_from_);
     }
     clock_.next = target;
-    if (recording(target) || n == edges_a_wake_up || sc_core::sc_pending_activity()) {
+    if (recording(target) || n == edges_a_wake_up || (!alone_ && sc_core::sc_pending_activity())) {
       const bool begins = waveform_ != nullptr && target == record_from_;
       next_trigger(begin_of(begins ? target : target + 1) - sc_core::sc_time_stamp());
       return;
     }
   }
+}
+
+inline void clock_domain::make_due(unit& u) {
+  if (u.due_) return;
+  u.due_ = true;
+  due_.push(&u);
 }
 
 void clock_domain::edge(cycle c) {
@@ -160,8 +178,7 @@ void clock_domain::edge(cycle c) {
   clock_.next = c + 1;
   ++stats_.edges;
   if (every) {
-    for (unit* u : units_) u->due_ = true;
-    due_ = units_;
+    for (unit* u : units_) make_due(*u);
   }
   calendar_.take(c, [&](booking& b) {
     if (b.kind == booking::what::channel) {
@@ -171,8 +188,6 @@ void clock_domain::edge(cycle c) {
     }
   });
   call_units(c);
-  for (channel_base* ch : fired_) ch->fired_ = false;
-  fired_.clear();
   resolve();
   if (every) {
     for (unit* u : units_) u->settle_registers();
@@ -181,17 +196,9 @@ void clock_domain::edge(cycle c) {
   }
 }
 
-inline void clock_domain::make_due(unit& u) {
-  if (u.due_) return;
-  u.due_ = true;
-  due_.push_back(&u);
-}
-
 void clock_domain::fire(channel_base& ch, cycle c) {
-  ch.fired_ = true;
   ch.last_fire_ = c;
   ++ch.transfers_;
-  fired_.push_back(&ch);
   last_transfer_ = c;
   ch.latch(c);
   if (ch.arrival_ != channel_base::unlisted) ch.consumer_->arrivals_.push_back(ch.arrival_);
@@ -213,7 +220,8 @@ void clock_domain::call_units(cycle c) {
       std::swap(due_[i - 1], due_[shuffle_ % i]);
     }
   }
-  for (unit* u : due_) {
+  for (std::size_t i = 0; i < due_.size(); ++i) {
+    unit* const u = due_[i];
     if (u->moves_when_idle_ && u->next_edge_ < c) u->idle(c - u->next_edge_);
     u->edge();
     u->next_edge_ = c + 1;

@@ -110,6 +110,7 @@ class clock_domain : public sc_core::sc_module {
   clock_state clock_;
   cycle last_transfer_ = 0;
   bool stopping_ = false;
+  bool alone_ = false;     // whether SystemC has no other process
   bool current_ = true;    // whether all units' registers stand at next_
   cycle checked_ = 0;      // cycles whose levels were checked
   std::uint64_t edges_to_tick_ = 0;
@@ -120,8 +121,7 @@ class clock_domain : public sc_core::sc_module {
   calendar calendar_;
   std::vector<unit*> units_;
   std::vector<channel_base*> channels_;
-  std::vector<unit*> due_;
-  std::vector<channel_base*> fired_;
+  work_list<unit> due_;
   clock_stats stats_;
 
   waveform* waveform_ = nullptr;
