@@ -1,7 +1,9 @@
 #include "testbench/replay.h"
 
 #include <algorithm>
+#include <atomic>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <thread>
 
@@ -158,9 +160,17 @@ struct core_schedule {
   std::uint64_t offered_cycles = 0;    ///< a job was shown to it
 };
 
+/// A replay that goes on as rays are walked.
+class job_schedule {
+ public:
+  virtual ~job_schedule() = default;
+  virtual void advance(std::size_t end) = 0;
+  virtual run_figures finish(const numeric::float_to_fixed_stats& conversion) = 0;
+};
+
 /// One replay. `Held`: an offered result stays and the sink is not always ready.
 template <bool Held>
-class schedule {
+class schedule final : public job_schedule {
  public:
   schedule(const design& d, const surroundings& s, const walked_rays& walked, const result_handler& handler)
       : design_(d),
@@ -178,11 +188,14 @@ class schedule {
     if (s.sink.ready == sink_params::regime::lfsr) sink_.emplace(s.sink.seed);
     figures_.clock_mhz = d.rtu.clock_mhz;
     figures_.jobs.jobs = walked_.size();
-    figures_.jobs.conversion = walked.conversion;
   }
 
-  run_figures run() {
-    for (std::uint32_t j = 0; j < walked_.size(); ++j) replay_job(j);
+  /// Follows the jobs before `end`, which are walked.
+  void advance(std::size_t end) override {
+    for (; next_job_ < end; ++next_job_) replay_job(next_job_);
+  }
+  run_figures finish(const numeric::float_to_fixed_stats& conversion) override {
+    figures_.jobs.conversion = conversion;
     if constexpr (Held) follow_drains(never);
     order_.flush(last_result_ + 1, [this](cycle c, const leaving_order::result& r) { leave(c, r); });
     check_watchdog(last_dispatch_, last_result_);
@@ -480,6 +493,7 @@ class schedule {
   leaving_order order_;
   run_figures figures_;
 
+  std::uint32_t next_job_ = 0;
   unsigned chosen_ = 0;
   unsigned select_ = 0;              // cyclic: the select in `select_cycle_`
   cycle select_cycle_ = 0;
@@ -496,49 +510,126 @@ class schedule {
   std::vector<cycle> accepted_;
 };
 
-}  // namespace
+/// Walks jobs part by part, on any number of threads.
+class walk_in_parts {
+ public:
+  walk_in_parts(const design& d, const std::vector<std::uint32_t>& image, const std::vector<job_packet>& jobs, walked_rays& all)
+      : walk_(d.svo_core_params_with_format()),
+        converter_(d.fixed_point, d.float_to_fixed),
+        words_(view_of(image, d.memory_)),
+        jobs_(jobs),
+        all_(all),
+        done_((jobs.size() + part - 1) / part) {}
 
-walked_rays walk_rays(const design& d, const std::vector<std::uint32_t>& image, const std::vector<job_packet>& jobs, unsigned threads) {
-  const svo_walk walk(d.svo_core_params_with_format());
-  const numeric::float_to_fixed_converter converter(d.fixed_point, d.float_to_fixed);
-  const word_view words = view_of(image, d.memory_);
-  walked_rays all;
-  all.rays.resize(jobs.size());
-  const auto part = [&](std::size_t from, std::size_t to, numeric::float_to_fixed_stats& conversion) {
-    for (std::size_t j = from; j < to; ++j) {
-      const svo_outcome o = walk(convert(jobs[j], converter, conversion), words);
-      all.rays[j] = {o.t_hit, o.job_word, o.cost, o.pushes, o.depth, o.axis, o.hit, o.overflow};
+  /// Walks the next part that nobody has begun; false when there is none.
+  bool walk_part() {
+    const std::size_t n = next_.fetch_add(1, std::memory_order_relaxed);
+    if (n >= done_.size()) return false;
+    numeric::float_to_fixed_stats conversion;
+    for (std::size_t j = n * part; j < std::min((n + 1) * part, jobs_.size()); ++j) {
+      const svo_outcome o = walk_(convert(jobs_[j], converter_, conversion), words_);
+      all_.rays[j] = {o.t_hit, o.job_word, o.cost, o.pushes, o.depth, o.axis, o.hit, o.overflow};
     }
-  };
-  threads = std::max(1u, threads);
-  std::vector<numeric::float_to_fixed_stats> conversions(threads);
-  std::vector<std::thread> others;
-  // Neighbouring rays cost alike, so each thread takes many small parts.
-  const std::size_t grain = 4096;
-  const auto every_nth = [&](unsigned n) {
-    numeric::float_to_fixed_stats mine;
-    for (std::size_t from = n * grain; from < jobs.size(); from += threads * grain) part(from, std::min(from + grain, jobs.size()), mine);
-    conversions[n] = mine;
-  };
-  for (unsigned n = 1; n < threads; ++n) others.emplace_back(every_nth, n);
-  every_nth(0);
-  for (auto& t : others) t.join();
-  for (const auto& c : conversions) all.conversion += c;
-  return all;
-}
+    {
+      const std::lock_guard lock(sums_);
+      all_.conversion += conversion;
+    }
+    done_[n].store(true, std::memory_order_release);
+    return true;
+  }
+  /// All jobs before this one are walked. Called by one thread.
+  std::size_t walked_to() {
+    while (seen_ < done_.size() && done_[seen_].load(std::memory_order_acquire)) ++seen_;
+    return std::min(seen_ * part, jobs_.size());
+  }
+  /// Lets nobody begin another part.
+  void stop() { next_.store(done_.size(), std::memory_order_relaxed); }
 
+ private:
+  static constexpr std::size_t part = 2048;
+
+  svo_walk walk_;
+  numeric::float_to_fixed_converter converter_;
+  word_view words_;
+  const std::vector<job_packet>& jobs_;
+  walked_rays& all_;
+  std::mutex sums_;
+  std::atomic<std::size_t> next_{0};
+  std::vector<std::atomic<bool>> done_;
+  std::size_t seen_ = 0;
+};
+
+/// Threads that are told to stop and waited for, whatever happens.
+class joined_threads {
+ public:
+  ~joined_threads() {
+    for (const auto& stop : stops_) stop();
+    join();
+  }
+  void start(std::function<void()> work, std::function<void()> stop) {
+    stops_.push_back(std::move(stop));
+    threads_.emplace_back(std::move(work));
+  }
+  void join() {
+    for (auto& t : threads_) t.join();
+    threads_.clear();
+  }
+
+ private:
+  std::vector<std::function<void()>> stops_;
+  std::vector<std::thread> threads_;
+};
+
+/// Why a design can't be replayed, as the words of an error; empty if it can.
 std::string replay_obstacle(const design& d, const surroundings& s) {
   if (d.memory_.which != memory::kind::lut) return "a memory that makes cores wait";
-  if (s.sink.ready == sink_params::regime::blocked) return "sink.ready = blocked";
+  if (s.sink.ready == sink_params::regime::blocked) return "sink.ready = never";
   return {};
 }
 
-run_figures replay(const design& d, const surroundings& s, const walked_rays& walked, const result_handler& handler) {
+std::unique_ptr<job_schedule> schedule_for(const design& d, const surroundings& s, const walked_rays& walked, const result_handler& handler) {
   if (const std::string why = replay_obstacle(d, s); !why.empty())
     throw input_error("--pace replay", why, "a design whose schedule follows from the costs of its rays; --pace skipping takes every one");
   const bool always = s.sink.ready == sink_params::regime::always;
-  if (d.result_manager_.valid_withdrawn || always) return schedule<false>(d, s, walked, handler).run();
-  return schedule<true>(d, s, walked, handler).run();
+  if (d.result_manager_.valid_withdrawn || always) return std::make_unique<schedule<false>>(d, s, walked, handler);
+  return std::make_unique<schedule<true>>(d, s, walked, handler);
+}
+
+}  // namespace
+
+walked_rays walk_rays(const design& d, const std::vector<std::uint32_t>& image, const std::vector<job_packet>& jobs, unsigned threads) {
+  walked_rays all;
+  all.rays.resize(jobs.size());
+  walk_in_parts walks(d, image, jobs, all);
+  std::vector<std::thread> others;
+  for (unsigned n = 1; n < threads; ++n) others.emplace_back([&walks] { while (walks.walk_part()) {} });
+  while (walks.walk_part()) {}
+  for (auto& t : others) t.join();
+  return all;
+}
+
+run_figures replay(const design& d, const surroundings& s, const walked_rays& walked, const result_handler& handler) {
+  const auto schedule = schedule_for(d, s, walked, handler);
+  schedule->advance(walked.rays.size());
+  return schedule->finish(walked.conversion);
+}
+
+run_figures replay(const design& d, const surroundings& s, const std::vector<std::uint32_t>& image, const std::vector<job_packet>& jobs,
+                   unsigned threads, const result_handler& handler) {
+  walked_rays walked;
+  walked.rays.resize(jobs.size());
+  const auto schedule = schedule_for(d, s, walked, handler);
+  walk_in_parts walks(d, image, jobs, walked);
+  joined_threads others;
+  for (unsigned n = 1; n < threads; ++n) others.start([&walks] { while (walks.walk_part()) {} }, [&walks] { walks.stop(); });
+  for (std::size_t walked_to = 0; walked_to < jobs.size();) {
+    const std::size_t end = walks.walked_to();
+    if (end == walked_to && !walks.walk_part()) std::this_thread::yield();
+    schedule->advance(end);
+    walked_to = end;
+  }
+  others.join();
+  return schedule->finish(walked.conversion);
 }
 
 }  // namespace rtusim

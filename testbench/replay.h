@@ -31,11 +31,8 @@ struct walked_rays {
   numeric::float_to_fixed_stats conversion;
 };
 
-/// Converts and walks all jobs. The outcome does not depend on the number of threads.
+/// Converts and walks all jobs, to keep the walks for several designs. The outcome does not depend on the number of threads.
 walked_rays walk_rays(const design& d, const std::vector<std::uint32_t>& image, const std::vector<job_packet>& jobs, unsigned threads);
-
-/// Why a design can't be replayed, as the words of an error; empty if it can.
-std::string replay_obstacle(const design& d, const surroundings& s);
 
 /// The schedule of the walked rays from their costs alone: the cycles, figures and results that a simulation comes to.
 ///
@@ -45,8 +42,13 @@ std::string replay_obstacle(const design& d, const surroundings& s);
 /// ready. Where an offered result stays (without the erratum valid_withdrawn) and the sink is not always ready, the buffers depend
 /// on each other through the select; their drains are then followed in the order of time, as far as the next dispatch needs.
 ///
-/// Errors: simulation_error for a stack that overflows, as the simulation's; input_error where transfers lie further apart than the
-/// watchdog allows, which only a simulation can judge.
+/// Errors: simulation_error for a stack that overflows, as the simulation's; input_error for a design that it does not cover, and where
+/// transfers lie further apart than the watchdog allows, which only a simulation can judge.
 run_figures replay(const design& d, const surroundings& s, const walked_rays& walked, const result_handler& handler);
+
+/// Walks and replays at once: one thread follows the schedule as far as rays are walked, and walks when it has to wait; the others walk.
+/// `handler` is called on the caller's thread.
+run_figures replay(const design& d, const surroundings& s, const std::vector<std::uint32_t>& image, const std::vector<job_packet>& jobs,
+                   unsigned threads, const result_handler& handler);
 
 }  // namespace rtusim

@@ -123,9 +123,7 @@ traced trace(const run_options& o, const setup& s, const svo_image& image, const
   const auto begin = wall_clock::now();
   if (o.how == run_pace::replay) {
     if (window) throw input_error("--vcd", "--pace replay, which has no signals", "--pace skipping, which is quick outside the window");
-    if (const std::string why = replay_obstacle(s.unit, s.bench); !why.empty())
-      throw input_error("--pace replay", why, "a design whose schedule follows from the costs of its rays, or --pace skipping");
-    t.figures = replay(s.unit, s.bench, walk_rays(s.unit, image.words, jobs, 2), handler);
+    t.figures = replay(s.unit, s.bench, image.words, jobs, 2, handler);
   } else {
     simulation sim(s.unit, s.bench, image.words, jobs, static_cast<pace>(o.how), window);
     if (handler) sim.board().on_result(handler);

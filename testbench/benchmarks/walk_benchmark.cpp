@@ -79,7 +79,7 @@ BENCHMARK(schedule)->Name("replay/schedule/cores")->Arg(1)->Arg(4)->Arg(16)->Arg
 
 void replay_all(benchmark::State& state) {
   const design d = as_built(static_cast<unsigned>(state.range(0)));
-  for (auto _ : state) benchmark::DoNotOptimize(replay(d, {}, walk_rays(d, dragon().words, frame_packets(), 2), {}));
+  for (auto _ : state) benchmark::DoNotOptimize(replay(d, {}, dragon().words, frame_packets(), 2, {}));
   per_ray(state, frame_packets().size());
 }
 BENCHMARK(replay_all)->Name("pace/replay/cores")->Arg(1)->Arg(4)->Arg(16)->Arg(64)->Unit(benchmark::kMillisecond)->UseRealTime();
