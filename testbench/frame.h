@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -24,8 +25,8 @@ class frame {
   /// One pixel's result. A pixel that missed keeps its cost, core and latency; its `t_hit` and normal are 0 and none, whatever the
   /// bus carried.
   struct pixel {
-    double t_hit = 0;                   ///< ray parameter of the hit, in world units as directions have length 1
-    std::uint64_t latency_cycles = 0;   ///< as told to `store`
+    float t_hit = 0;                    ///< ray parameter of the hit, in world units as directions have length 1
+    std::uint32_t latency_cycles = 0;   ///< as told to `store`; the greatest number stands for all beyond it
     std::uint32_t cost = 0;             ///< clocks in all states of the core but IDLE and OUT
     std::uint16_t core = 0;
     std::int8_t normal_axis = no_axis;  ///< 0, 1, 2 or no_axis
@@ -33,7 +34,7 @@ class frame {
     bool hit = false;
     bool arrived = false;               ///< false: no result came for this pixel
   };
-  static_assert(sizeof(pixel) <= 32);
+  static_assert(sizeof(pixel) == 20);
 
   /// `fraction_bits`: of the fixed-point t_hit in the results.
   frame(const params& p, unsigned fraction_bits);
@@ -48,8 +49,8 @@ class frame {
     }
     pixel& p = pixels_[index];
     arrived_ += !p.arrived;
-    p.t_hit = r.hit ? static_cast<double>(r.t_hit) * unit_ : 0.0;
-    p.latency_cycles = latency_cycles;
+    p.t_hit = r.hit ? static_cast<float>(static_cast<double>(r.t_hit) * unit_) : 0.0f;
+    p.latency_cycles = static_cast<std::uint32_t>(std::min<std::uint64_t>(latency_cycles, ~std::uint32_t{0}));
     p.cost = r.cost;
     p.core = r.core;
     p.normal_axis = r.hit ? r.normal_axis : no_axis;

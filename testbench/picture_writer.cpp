@@ -56,8 +56,8 @@ struct depth_span {
   explicit depth_span(const frame& f) {
     for (const auto& p : f.pixels())
       if (p.hit) {
-        least = std::min(least, p.t_hit);
-        most = std::max(most, p.t_hit);
+        least = std::min<double>(least, p.t_hit);
+        most = std::max<double>(most, p.t_hit);
       }
   }
   colour shown(const frame::pixel& p) const {
@@ -148,7 +148,7 @@ void write_exr(const std::filesystem::path& file, const frame& picture) {
   write_bands<float>(out, picture, names.size(), OIIO::TypeDesc::FLOAT, [](const frame::pixel& p, float* to) {
     for (const double value : shaded(p)) *to++ = static_cast<float>(linear_light(value));
     *to++ = p.hit ? 1.0f : 0.0f;
-    *to++ = static_cast<float>(p.t_hit);
+    *to++ = p.t_hit;
     for (std::int8_t axis = 0; axis < 3; ++axis) *to++ = p.normal_axis == axis ? static_cast<float>(p.normal_sign) : 0.0f;
     *to++ = static_cast<float>(p.cost);
     *to++ = p.arrived ? static_cast<float>(p.core) : -1.0f;

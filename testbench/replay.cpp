@@ -221,7 +221,8 @@ class schedule final : public job_schedule {
     core_schedule& core = cores_[chosen_];
     account_dispatch(core, output_from, dispatched);
     last_dispatch_ = dispatched;
-    if (ray.overflow) throw svo_stack_overflow(fmt::format("rtu.core_{}", chosen_), design_.svo_core.stack_depth, j, ray.job_word, dispatched);
+    if (ray.overflow)
+      throw svo_stack_overflow(fmt::format("rtu.core_{}", chosen_), design_.svo_core.stack_depth, j, ray.job_word, dispatched);
 
     ++core.jobs;
     core.hits += ray.hit;
@@ -420,7 +421,8 @@ class schedule final : public job_schedule {
   }
 
   input_error too_far_apart() const {
-    return input_error("--pace replay", fmt::format("transfers more than watchdog.cycles = {} apart", watchdog_), "--pace skipping for such a run");
+    return input_error("--pace replay", fmt::format("transfers more than watchdog.cycles = {} apart", watchdog_),
+                       "--pace skipping for such a run");
   }
   void check_watchdog(cycle from, cycle to) const {
     if (to - (from == never ? 0 : from) > watchdog_) throw too_far_apart();
@@ -449,7 +451,8 @@ class schedule final : public job_schedule {
       case policy::first_available: ready_cycles_ += cycles_from(earliest_free(), last_dispatch_ + 1, end); break;
     }
     const auto channel = [&](std::string name, std::uint64_t transfers, std::uint64_t valid, std::uint64_t ready) {
-      figures_.channels.emplace_back(std::move(name), channel_stats{transfers, ready - transfers, valid - transfers, end + transfers - valid - ready});
+      figures_.channels.emplace_back(std::move(name),
+                                     channel_stats{transfers, ready - transfers, valid - transfers, end + transfers - valid - ready});
     };
     channel("pending_job", jobs, pending_valid_cycles_, ready_cycles_);
     std::int64_t steps = 0;
@@ -457,7 +460,8 @@ class schedule final : public job_schedule {
       core_schedule& core = cores_[i];
       core.idle_cycles += cycles_from(core.free_from, 0, end);
       steps += offered_steps_[i];
-      channel(fmt::format("core_job_{}", i), core.jobs, core.offered_cycles + offered_turns_ + static_cast<std::uint64_t>(steps), core.idle_cycles);
+      channel(fmt::format("core_job_{}", i), core.jobs, core.offered_cycles + offered_turns_ + static_cast<std::uint64_t>(steps),
+              core.idle_cycles);
     }
     for (unsigned i = 0; i < cores_.size(); ++i)
       channel(fmt::format("core_result_{}", i), cores_[i].jobs, cores_[i].jobs + cores_[i].waited_cycles, end - cores_[i].full_cycles);
@@ -587,7 +591,8 @@ std::string replay_obstacle(const design& d, const surroundings& s) {
   return {};
 }
 
-std::unique_ptr<job_schedule> schedule_for(const design& d, const surroundings& s, const walked_rays& walked, const result_handler& handler) {
+std::unique_ptr<job_schedule> schedule_for(const design& d, const surroundings& s, const walked_rays& walked,
+                                           const result_handler& handler) {
   if (const std::string why = replay_obstacle(d, s); !why.empty())
     throw input_error("--pace replay", why, "a design whose schedule follows from the costs of its rays; --pace skipping takes every one");
   const bool always = s.sink.ready == sink_params::regime::always;

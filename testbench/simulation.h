@@ -29,7 +29,9 @@ struct surroundings {
  private:
   struct watchdog_params {
     std::uint64_t* cycles;
-    void describe(config::section& s) { s.number("cycles", *cycles, {1'000, 1'000'000'000}, "cycles", "a run without a transfer for so long ends"); }
+    void describe(config::section& s) {
+      s.number("cycles", *cycles, {1'000, 1'000'000'000}, "cycles", "a run without a transfer for so long ends");
+    }
   } watchdog_{&watchdog_cycles};
 };
 

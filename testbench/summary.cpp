@@ -56,8 +56,8 @@ std::string summary_text(const run_record& record) {
   std::string t;
   const auto line = [&t](std::string_view format, const auto&... values) { t += fmt::format(fmt::runtime(format), values...) + '\n'; };
 
-  line("{} {} cores at {} MHz, {} on {} words", rtu["cores"].get<unsigned>(), rtu["core"].get<std::string>(), rtu["clock_mhz"].get<double>(),
-       record.inputs["model"].get<std::string>(), record.inputs["model_words"].get<std::uint64_t>());
+  line("{} {} cores at {} MHz, {} on {} words", rtu["cores"].get<unsigned>(), rtu["core"].get<std::string>(),
+       rtu["clock_mhz"].get<double>(), record.inputs["model"].get<std::string>(), record.inputs["model_words"].get<std::uint64_t>());
   line("{:>14} cycles   {} rays, {} hits ({:.1f} %)", s["total_cycles"].get<std::uint64_t>(), s["rays"].get<std::uint64_t>(),
        s["hits"].get<std::uint64_t>(), share(s["hits"], s["rays"].get<double>()));
   line("{:>14.3f} cycles a ray", s["cycles_per_ray"].get<double>());
@@ -89,15 +89,15 @@ std::string summary_text(const run_record& record) {
   for (const char* name : {"job", "pending_job", "result"}) {
     const json& c = s["channels"][name];
     const double all = all_cycles(c);
-    line("{:>30} {:11.1f}% {:7.1f}% {:9.1f}% {:5.1f}%", name, share(c["transferred"], all), share(c["starved"], all), share(c["held_back"], all),
-         share(c["idle"], all));
+    line("{:>30} {:11.1f}% {:7.1f}% {:9.1f}% {:5.1f}%", name, share(c["transferred"], all), share(c["starved"], all),
+         share(c["held_back"], all), share(c["idle"], all));
   }
   line("");
 
   const json& m = record.simulator;
-  line("simulated in {:.3f} s ({} with everything: {:.3f} s): {:.2f} M rays/s, {:.2f} M cycles/s, {:.2f} edges a ray", m["run_seconds"].get<double>(),
-       m["pace"].get<std::string>(), m["all_seconds"].get<double>(), m["rays_per_second"].get<double>() / 1e6,
-       m["cycles_per_second"].get<double>() / 1e6, m["edges_per_ray"].get<double>());
+  line("simulated in {:.3f} s ({} with everything: {:.3f} s): {:.2f} M rays/s, {:.2f} M cycles/s, {:.2f} edges a ray",
+       m["run_seconds"].get<double>(), m["pace"].get<std::string>(), m["all_seconds"].get<double>(),
+       m["rays_per_second"].get<double>() / 1e6, m["cycles_per_second"].get<double>() / 1e6, m["edges_per_ray"].get<double>());
   return t;
 }
 

@@ -38,7 +38,8 @@ class job_manager final : public pipeline_unit<job_packet, traversal_job, 1 + nu
 };
 
 /// What a job becomes in the job manager; its `sequence` is left 0.
-inline traversal_job convert(const job_packet& packet, const numeric::float_to_fixed_converter& converter, numeric::float_to_fixed_stats& stats) {
+inline traversal_job convert(const job_packet& packet, const numeric::float_to_fixed_converter& converter,
+                             numeric::float_to_fixed_stats& stats) {
   traversal_job job;
   job.job_word = packet.job_word;
   job.address = packet.address;

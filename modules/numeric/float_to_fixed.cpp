@@ -38,7 +38,8 @@ std::int64_t float_to_fixed(std::uint32_t float_bits, const fixed_format& format
 }
 
 void float_to_fixed_errata::describe(config::section& s) {
-  s.erratum("saturate_to_zero", saturate_to_zero, "magnitudes beyond the format, infinities and NaN give 0", "the nearest end of the range");
+  s.erratum("saturate_to_zero", saturate_to_zero, "magnitudes beyond the format, infinities and NaN give 0",
+            "the nearest end of the range");
   s.erratum("flush_small", flush_small, "magnitudes below 2^-(fraction_bits - 2) give 0", "truncation to the last fraction bit");
   s.erratum("odd_exponent_lsb", odd_exponent_lsb, "positive odd exponents clear the magnitude's bit 0", "exact truncation toward zero");
 }

@@ -6,7 +6,12 @@
 namespace rtusim {
 
 result_manager::result_manager(const sc_core::sc_module_name& name, const params& p, unsigned cores)
-    : unit(name), core_in("core_in", cores), valid_withdrawn_(p.valid_withdrawn && cores > 1), full_(cores), buffers_(cores), shown_full_(cores) {}
+    : unit(name),
+      core_in("core_in", cores),
+      valid_withdrawn_(p.valid_withdrawn && cores > 1),
+      full_(cores),
+      buffers_(cores),
+      shown_full_(cores) {}
 
 void result_manager::connect() {
   for (unsigned i = 0; i < core_in.size(); ++i) core_in[i]->report_arrivals_as(i);
@@ -65,7 +70,8 @@ void result_manager::trace(waveform& w) const {
 
 void result_manager::params::describe(config::section& s) {
   s.choice("order", leave, order_words(), "as_finished: results leave in the order in which the select finds them");
-  s.erratum("valid_withdrawn", valid_withdrawn, "the select turns even while a result is offered and not taken", "the offer stays until taken");
+  s.erratum("valid_withdrawn", valid_withdrawn, "the select turns even while a result is offered and not taken",
+            "the offer stays until taken");
 }
 
 }  // namespace rtusim

@@ -153,9 +153,11 @@ void svo_machine::release() {
 }
 
 void svo_core_params::describe(config::section& s) {
-  s.number("stack_depth", stack_depth, {1, most_stack_frames}, "frames", "frames of the stack: one level of the octree below the first each");
+  s.number("stack_depth", stack_depth, {1, most_stack_frames}, "frames",
+           "frames of the stack: one level of the octree below the first each");
   s.erratum("far_popcount", far_popcount, "behind a far pointer the child is counted in the far word's bits", "in the descriptor's");
-  s.erratum("negative_t", negative_t, "cubes behind the ray's origin are hit", "only cubes whose exit lies ahead; inside a solid t_hit is 0");
+  s.erratum("negative_t", negative_t, "cubes behind the ray's origin are hit",
+            "only cubes whose exit lies ahead; inside a solid t_hit is 0");
   s.erratum("positive_normals", positive_normals, "normals are +1 on their axis", "the sign faces the ray");
   s.erratum("tm_wrap", tm_wrap, "t0 + t1 wraps at the word's width", "a sum one bit wider");
   s.erratum("stale_miss", stale_miss, "on a miss t_hit and normal carry the core's last hit", "0 and none");

@@ -77,8 +77,9 @@ init:
   {
     const unsigned m = largest(f->t0);
     const Int in = f->t0[m];
-    child = (static_cast<unsigned>(in >= f->tm[0]) | static_cast<unsigned>(in >= f->tm[1]) << 1 | static_cast<unsigned>(in >= f->tm[2]) << 2) &
-            ~(1u << m);
+    child =
+        (static_cast<unsigned>(in >= f->tm[0]) | static_cast<unsigned>(in >= f->tm[1]) << 1 | static_cast<unsigned>(in >= f->tm[2]) << 2) &
+        ~(1u << m);
     for (unsigned i = 0; i < 3; ++i) {
       const bool upper = child >> i & 1;
       c0[i] = upper ? f->tm[i] : f->t0[i];

@@ -15,7 +15,8 @@ void channel_base::register_port(sc_core::sc_port_base& port, const char*) {
   if (owner == nullptr || end == nullptr) return;
   unit*& place = end->drives() == side::valid ? producer_ : consumer_;
   if (place != nullptr)
-    throw simulation_error(fmt::format("channel {} is bound to two ports of the same side, of {} and {}", name(), place->name(), owner->name()));
+    throw simulation_error(
+        fmt::format("channel {} is bound to two ports of the same side, of {} and {}", name(), place->name(), owner->name()));
   place = owner;
 }
 
@@ -64,8 +65,8 @@ void channel_base::check_levels(cycle c) {
   const bool r = ready_level();
   if (upstream_ == nullptr) {
     if (v != valid_.asserts(c) || r != ready_.asserts(c) || (v && r) != (at == c))
-      throw simulation_error(fmt::format("{}: offers and registers differ in cycle {}: valid {} against {}, ready {} against {}, fires {}", name(),
-                                         c, valid_.asserts(c), v, ready_.asserts(c), r, at == c));
+      throw simulation_error(fmt::format("{}: offers and registers differ in cycle {}: valid {} against {}, ready {} against {}, fires {}",
+                                         name(), c, valid_.asserts(c), v, ready_.asserts(c), r, at == c));
   } else if (r != ready_.asserts(c)) {
     throw simulation_error(fmt::format("{}: offered ready {} differs from the registers' in cycle {}", name(), ready_.asserts(c), c));
   }

@@ -273,7 +273,8 @@ void clock_domain::report_deadlock() const {
   for (const channel_base* ch : channels_) {
     const bool v = ch->upstream_ == nullptr ? ch->valid_.asserts(clock_.next) : false;
     if (!v) continue;
-    chain += fmt::format("{}{}: {} waits for {}", chain.empty() ? "" : "; ", ch->name(), ch->producer_->basename(), ch->consumer_->basename());
+    chain +=
+        fmt::format("{}{}: {} waits for {}", chain.empty() ? "" : "; ", ch->name(), ch->producer_->basename(), ch->consumer_->basename());
   }
   throw simulation_error(fmt::format("no transfer in the {} cycles behind cycle {}: {}", watchdog_, last_transfer_,
                                      chain.empty() ? std::string("no channel is valid, so a source gives nothing more") : chain));

@@ -48,13 +48,14 @@ struct outcome {
 
 std::string log_line(cycle c, const traversal_result& r) {
   const int axis = r.normal_axis;
-  return fmt::format("{},{},{},{},{},{},{},{},{}\n", c, r.core, r.job_word, static_cast<int>(r.hit), r.hit ? r.t_hit : 0, r.hit ? axis : -1, r.cost,
-                     r.t_hit, axis);
+  return fmt::format("{},{},{},{},{},{},{},{},{}\n", c, r.core, r.job_word, static_cast<int>(r.hit), r.hit ? r.t_hit : 0, r.hit ? axis : -1,
+                     r.cost, r.t_hit, axis);
 }
 
 constexpr char log_header[] = "cycle,core,job_id,hit,t_hit,normal_axis,cost,raw_t_hit,raw_normal_axis\n";
 
-outcome replay_of(const design& d, const surroundings& s, const svo_image& image, const std::vector<job_packet>& jobs, bool kept_walks = false) {
+outcome replay_of(const design& d, const surroundings& s, const svo_image& image, const std::vector<job_packet>& jobs,
+                  bool kept_walks = false) {
   try {
     outcome o{log_header, ""};
     const auto note = [&](cycle c, const traversal_result& r, std::uint64_t) { o.log += log_line(c, r); };
@@ -70,12 +71,16 @@ outcome replay_of(const design& d, const surroundings& s, const svo_image& image
 }
 
 outcome simulate(const design& d, const surroundings& s, const svo_image& image, const std::vector<job_packet>& jobs, pace p,
-                 std::uint32_t shuffle = 0) {
+                 std::uint32_t shuffle = 0, std::uint32_t change_pace = 0) {
   const std::string both = in_child([&] {
     simulation sim(d, s, image.words, jobs, p);
     sim.clock().shuffle_units(shuffle);
     std::string log = log_header;
-    sim.board().on_result([&](cycle c, const traversal_result& r, std::uint64_t) { log += log_line(c, r); });
+    test::rng random(change_pace);
+    sim.board().on_result([&](cycle c, const traversal_result& r, std::uint64_t) {
+      log += log_line(c, r);
+      if (change_pace != 0 && random() % 4 == 0) sim.clock().set_pace(static_cast<pace>(random() % 3));
+    });
     sim.run();
     config::report report;
     sim.figures().describe(report);
@@ -92,7 +97,8 @@ TEST_CASE("system: every log of the original hardware, in every pace", "[system]
   const svo_image image = read_svo(golden + "models/dragon_32.svo");
   const auto jobs = read_jobs(golden + "sys/jobs_64x36_literal.bin.gz");
   struct row { const char* regime; unsigned cores; };
-  const row rows[] = {{"ideal", 1}, {"ideal", 2}, {"ideal", 4}, {"ideal", 16}, {"gap1", 4}, {"pace4", 1}, {"pace4", 4}, {"pace4", 16}, {"bp", 2}, {"bp", 8}};
+  const row rows[] = {{"ideal", 1}, {"ideal", 2}, {"ideal", 4},  {"ideal", 16}, {"gap1", 4},
+                      {"pace4", 1}, {"pace4", 4}, {"pace4", 16}, {"bp", 2},     {"bp", 8}};
   for (const row& r : rows) {
     const std::string wanted = config::read_file(fmt::format("{}sys/log_64x36_literal_{}_c{}.csv.gz", golden, r.regime, r.cores));
     for (const pace p : {pace::skipping, pace::stepped, pace::checked}) {
@@ -137,7 +143,8 @@ TEST_CASE("system: any number of cores and any policy give the same set of resul
   };
   std::set<std::string> first;
   for (const unsigned cores : {1u, 2u, 3u, 4u, 5u, 7u, 8u, 16u, 24u, 64u}) {
-    for (const auto policy : {scheduler::policy::cyclic_first_available, scheduler::policy::round_robin, scheduler::policy::first_available}) {
+    for (const auto policy :
+         {scheduler::policy::cyclic_first_available, scheduler::policy::round_robin, scheduler::policy::first_available}) {
       design d;
       d.rtu.cores = cores;
       d.scheduler_.select = policy;
@@ -180,6 +187,9 @@ TEST_CASE("system: 500 random designs and streams are the same in every pace, wh
     REQUIRE(skipping.statistics == other.statistics);
     const outcome shuffled = simulate(d, s, image, jobs, pace::skipping, 1 + random());
     REQUIRE(skipping.log == shuffled.log);
+    const outcome changing = simulate(d, s, image, jobs, pace::skipping, 0, 1 + random());
+    REQUIRE(skipping.log == changing.log);
+    REQUIRE(skipping.statistics == changing.statistics);
     const outcome replayed = replay_of(d, s, image, jobs, round % 2 == 0);
     REQUIRE(skipping.log == replayed.log);
     REQUIRE(skipping.statistics == replayed.statistics);
@@ -216,7 +226,8 @@ TEST_CASE("system: the law of the ideal regime", "[system]") {
     const outcome o = simulate(as_built(cores), {}, image, jobs, pace::skipping);
     const auto s = nlohmann::json::parse(o.statistics);
     std::uint64_t law = cores + 5;
-    for (const auto& pair : s["cost"]["histogram"]) law += (pair[0].get<std::uint64_t>() + 2 + cores - 1) / cores * pair[1].get<std::uint64_t>();
+    for (const auto& pair : s["cost"]["histogram"])
+      law += (pair[0].get<std::uint64_t>() + 2 + cores - 1) / cores * pair[1].get<std::uint64_t>();
     const auto total = s["total_cycles"].get<std::uint64_t>();
     CHECK(total >= law - 1);
     CHECK(total <= law + 1);

@@ -31,7 +31,8 @@ TEST_CASE("fixed_point: midpoints round down, with and without the carry", "[num
       REQUIRE(midpoint<std::int64_t>(a, b) == floor_half);
       REQUIRE(midpoint<std::int32_t>(static_cast<std::int32_t>(a), static_cast<std::int32_t>(b)) == floor_half);
       REQUIRE(wrapped_midpoint<std::int64_t, std::uint64_t>(a, b, 8) == wrap(a + b, 8) >> 1);
-      REQUIRE(wrapped_midpoint<std::int32_t, std::uint32_t>(static_cast<std::int32_t>(a), static_cast<std::int32_t>(b), 8) == wrap(a + b, 8) >> 1);
+      REQUIRE(wrapped_midpoint<std::int32_t, std::uint32_t>(static_cast<std::int32_t>(a), static_cast<std::int32_t>(b), 8) ==
+              wrap(a + b, 8) >> 1);
     }
   }
   CHECK(midpoint<std::int64_t>(INT64_MAX, INT64_MAX) == INT64_MAX);

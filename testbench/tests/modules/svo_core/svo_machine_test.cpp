@@ -49,8 +49,9 @@ TEST_CASE("svo_machine: 125 jobs clock by clock, state for state", "[svo_core]")
     const auto& r = machine.now();
     CAPTURE(id, k);
     REQUIRE(svo_state_words[static_cast<std::size_t>(r.state)] == trace.field(row, trace.column("state")));
-    const std::int64_t values[] = {r.cost,       r.top.entry,  r.address,    machine.memory_data(), r.top.child, r.stack_size, r.top.t0[0], r.top.t0[1],
-                                   r.top.t0[2], r.top.tm[0], r.top.tm[1], r.top.tm[2],           r.top.t1[0], r.top.t1[1],  r.top.t1[2]};
+    const std::int64_t values[] = {r.cost,       r.top.entry, r.address,   machine.memory_data(), r.top.child,
+                                   r.stack_size, r.top.t0[0], r.top.t0[1], r.top.t0[2],           r.top.tm[0],
+                                   r.top.tm[1],  r.top.tm[2], r.top.t1[0], r.top.t1[1],           r.top.t1[2]};
     for (std::size_t i = 0; i < std::size(columns); ++i) {
       CAPTURE(columns[i]);
       REQUIRE(values[i] == trace.number(row, trace.column(columns[i]), -any_word, any_word));

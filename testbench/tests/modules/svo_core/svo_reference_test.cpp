@@ -68,7 +68,8 @@ reference_hit step_through(const voxel_grid& grid, const double (&origin)[3], co
     step[i] = std::abs(2.0 / n / direction[i]);
   }
   for (;;) {
-    if (grid.at(static_cast<unsigned>(v[0]), static_cast<unsigned>(v[1]), static_cast<unsigned>(v[2]))) return {true, axis, {v[0], v[1], v[2]}};
+    if (grid.at(static_cast<unsigned>(v[0]), static_cast<unsigned>(v[1]), static_cast<unsigned>(v[2])))
+      return {true, axis, {v[0], v[1], v[2]}};
     axis = next[0] <= next[1] && next[0] <= next[2] ? 0 : next[1] <= next[2] ? 1 : 2;
     v[axis] += direction[axis] > 0 ? 1 : -1;
     if (v[axis] < 0 || v[axis] >= n) return {};
