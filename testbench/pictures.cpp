@@ -24,7 +24,9 @@ std::string lower_case(std::string text) {
 }
 
 picture_writer load_writer() {
-  void* const library = dlopen(library_name, RTLD_LAZY | RTLD_LOCAL);
+  // By its whole path: a sanitizer's dlopen does not know the program's search path.
+  const auto path = std::filesystem::read_symlink("/proc/self/exe").parent_path() / library_name;
+  void* const library = dlopen(path.c_str(), RTLD_LAZY | RTLD_LOCAL);
   void* const writer = library != nullptr ? dlsym(library, "rtusim_write_picture") : nullptr;
   if (writer == nullptr) throw input_error(library_name, dlerror(), "it beside the program, as the build leaves it");
   return reinterpret_cast<picture_writer>(writer);

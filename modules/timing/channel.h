@@ -66,6 +66,7 @@ class channel_base : public sc_core::sc_object, public virtual sc_core::sc_inter
   }
   void settle_ready() {
     const cycle end = clock_->next;
+    if (end == ready_since_) return;
     ready_cycles_ += ready_.count(ready_since_, end);
     ready_since_ = end;
   }

@@ -305,7 +305,8 @@ TEST_CASE("waveform: its channels and results are those of the statistics and of
     CAPTURE(architecture, cores);
     r.design(architecture, cores, true);
     const vcd w = r.whole();
-    for (const auto& [name, figures] : r.statistics("whole")["statistics"]["channels"].items()) {
+    const auto statistics = r.statistics("whole");
+    for (const auto& [name, figures] : statistics["statistics"]["channels"].items()) {
       CAPTURE(name);
       const std::string path = w.signals().count(name + ".valid") != 0 ? name : "rtu." + name;
       std::map<std::string, std::uint64_t> counted;
