@@ -39,8 +39,6 @@ class channel_base : public sc_core::sc_object, public virtual sc_core::sc_inter
   cycle fires_at() const { return at; }
   cycle last_fire() const { return last_fire_; }
   std::uint64_t transfers() const { return transfers_; }
-  unit& producer() const { return *producer_; }
-  unit& consumer() const { return *consumer_; }
 
   /// Replaces the producer's (consumer's) offer from the next cycle on.
   void offer_valid(offer o) {

@@ -53,7 +53,6 @@ class clock_domain : public sc_core::sc_module {
   const clock_stats& stats() const { return stats_; }
 
   void set_pace(pace p) { pace_ = p; }
-  pace present_pace() const { return pace_; }
   /// A run in which nothing transfers for so many cycles ends with a simulation_error that tells who waits for whom.
   void set_watchdog(cycle cycles) { watchdog_ = cycles; }
   /// Calls units in another order at every edge, from a seed: which must change nothing.
