@@ -51,7 +51,13 @@ picture_kind kind_of(const std::filesystem::path& file) {
   throw input_error(file.string(), fmt::format("unknown kind of picture \"{}\"", word.substr(1)), known_names);
 }
 
-void prepare_pictures() { writer(std::launch::async); }
+picture_preparation::picture_preparation(bool wanted) : wanted_(wanted) {
+  if (wanted_) writer(std::launch::async);
+}
+
+picture_preparation::~picture_preparation() {
+  if (wanted_) writer(std::launch::async).wait();
+}
 
 void write_picture(const std::filesystem::path& file, const frame& picture, picture_kind kind) {
   writer(std::launch::deferred).get()(file, picture, kind);

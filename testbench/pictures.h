@@ -19,8 +19,18 @@ enum class picture_kind : std::uint8_t {
 /// Errors: input_error for an ending other than .png and .exr (in either case), and for NAME.WORD.png with an unknown WORD.
 picture_kind kind_of(const std::filesystem::path& file);
 
-/// Begins to load OpenImageIO on a thread of its own, so that it is there when the run ends.
-void prepare_pictures();
+/// Loads OpenImageIO on a thread of its own, so that it is there when the run ends. Goes only when it is loaded: a program must not
+/// end within that.
+class picture_preparation {
+ public:
+  explicit picture_preparation(bool wanted);
+  ~picture_preparation();
+  picture_preparation(const picture_preparation&) = delete;
+  picture_preparation& operator=(const picture_preparation&) = delete;
+
+ private:
+  bool wanted_;
+};
 
 /// Writes a picture through OpenImageIO. The file appears under its name only when whole; the same frame gives the same bytes.
 ///

@@ -148,7 +148,7 @@ void run(const run_options& o) {
   for (const auto& image : o.images) kinds.push_back(kind_of(image));
   const auto window = window_of(o);
   check_outputs(o);
-  if (!o.images.empty()) prepare_pictures();
+  const picture_preparation pictures(!o.images.empty());
 
   const svo_limits limits{s.unit.memory_.address_bits, s.unit.svo_core.stack_depth};
   const svo_image image = load_model(s.what.model.model, s.what.model.resolution, limits);
