@@ -104,6 +104,10 @@ class leaving_order {
     ring_[slot] = r;
     taken_[slot / 64] |= std::uint64_t{1} << (slot % 64);
   }
+  /// Cycles from the first not handed out to `end`. It pays to hand out many at once.
+  cycle span(cycle end) const { return end - base_; }
+  static constexpr cycle batch = 2048;
+
   /// Hands out the results of all cycles before `end`.
   template <class Handler>
   void flush(cycle end, Handler&& handler) {
@@ -176,7 +180,7 @@ class schedule final : public job_schedule {
       : design_(d),
         watchdog_(s.watchdog_cycles),
         policy_(d.scheduler_.select),
-        walked_(walked.rays),
+        walked_(walked),
         handler_(handler),
         cores_(d.rtu.cores),
         by_cores_(d.rtu.cores),
@@ -184,10 +188,10 @@ class schedule final : public job_schedule {
         buses_(d.rtu.cores),
         core_params_(d.svo_core_params_with_format()),
         source_(s.source),
-        accepted_(walked.rays.size() < 2 * cores_.size() + 64 ? walked.rays.size() : 0) {
+        accepted_(Held ? walked.size : 0) {
     if (s.sink.ready == sink_params::regime::lfsr) sink_.emplace(s.sink.seed);
     figures_.clock_mhz = d.rtu.clock_mhz;
-    figures_.jobs.jobs = walked_.size();
+    figures_.jobs.jobs = walked_.size;
   }
 
   /// Follows the jobs before `end`, which are walked.
@@ -207,7 +211,7 @@ class schedule final : public job_schedule {
   using policy = scheduler::policy;
 
   void replay_job(std::uint32_t j) {
-    const walked_ray& ray = walked_[j];
+    const walked_ray& ray = walked_.rays[j];
     // The source offers, the stages move.
     cycle accepted = source_.next(source_.offered_from());
     for (cycle moves; (moves = stages_.next_move(accepted)) != accepted;) accepted = source_.next(moves);
@@ -236,7 +240,6 @@ class schedule final : public job_schedule {
 
     const cycle done = dispatched + ray.cost + 1;
     if constexpr (Held) {
-      if (accepted_.size() <= j) accepted_.resize(j + j / 2 + 64);
       accepted_[j] = accepted;
       core.free_from = never;
       if (core.buffered == never) {
@@ -267,7 +270,8 @@ class schedule final : public job_schedule {
       last_result_ = std::max(last_result_, drained);
       order_.add(drained, {j, chosen_, drained - accepted});
     }
-    order_.flush(dispatched, [this](cycle c, const leaving_order::result& r) { leave(c, r); });
+    if (order_.span(dispatched) >= leaving_order::batch)
+      order_.flush(dispatched, [this](cycle c, const leaving_order::result& r) { leave(c, r); });
   }
 
   /// The first cycle >= c in which the select points at the chosen core.
@@ -397,7 +401,7 @@ class schedule final : public job_schedule {
   }
 
   void leave(cycle c, const leaving_order::result& r) {
-    const walked_ray& ray = walked_[r.job];
+    const walked_ray& ray = walked_.rays[r.job];
     traversal_result t;
     t.job_word = ray.job_word;
     t.cost = ray.cost;
@@ -431,7 +435,7 @@ class schedule final : public job_schedule {
   /// The figures that follow from the sums.
   void collect() {
     const cycle end = last_result_ + 1;
-    const std::uint64_t jobs = walked_.size();
+    const std::uint64_t jobs = walked_.size;
     auto& waits = figures_.results.waits;
     waits.conversion_cycles = jobs * stages;
     for (const auto& core : cores_) {
@@ -483,7 +487,7 @@ class schedule final : public job_schedule {
   const design& design_;
   cycle watchdog_;
   policy policy_;
-  const std::vector<walked_ray>& walked_;
+  const walked_rays& walked_;
   const result_handler& handler_;
   std::vector<core_schedule> cores_;
   divider by_cores_;
@@ -603,8 +607,7 @@ std::unique_ptr<job_schedule> schedule_for(const design& d, const surroundings& 
 }  // namespace
 
 walked_rays walk_rays(const design& d, const std::vector<std::uint32_t>& image, const std::vector<job_packet>& jobs, unsigned threads) {
-  walked_rays all;
-  all.rays.resize(jobs.size());
+  walked_rays all(jobs.size());
   walk_in_parts walks(d, image, jobs, all);
   std::vector<std::thread> others;
   for (unsigned n = 1; n < threads; ++n) others.emplace_back([&walks] { while (walks.walk_part()) {} });
@@ -615,14 +618,13 @@ walked_rays walk_rays(const design& d, const std::vector<std::uint32_t>& image, 
 
 run_figures replay(const design& d, const surroundings& s, const walked_rays& walked, const result_handler& handler) {
   const auto schedule = schedule_for(d, s, walked, handler);
-  schedule->advance(walked.rays.size());
+  schedule->advance(walked.size);
   return schedule->finish(walked.conversion);
 }
 
 run_figures replay(const design& d, const surroundings& s, const std::vector<std::uint32_t>& image, const std::vector<job_packet>& jobs,
                    unsigned threads, const result_handler& handler) {
-  walked_rays walked;
-  walked.rays.resize(jobs.size());
+  walked_rays walked(jobs.size());
   const auto schedule = schedule_for(d, s, walked, handler);
   walk_in_parts walks(d, image, jobs, walked);
   joined_threads others;

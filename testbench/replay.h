@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <vector>
 
 #include "modules/formats/packets.h"
@@ -13,21 +14,25 @@
 
 namespace rtusim {
 
-/// What a ray's traversal comes to, without the design's timing.
+/// What a ray's traversal comes to, without the design's timing. Has no initial values: a frame's are written by the threads that
+/// walk, and not before.
 struct walked_ray {
-  std::int64_t t_hit = 0;         ///< of a hit
-  std::uint32_t job_word = 0;
-  std::uint32_t cost = 0;
-  std::uint32_t pushes = 0;
-  std::uint8_t depth = 0;
-  std::int8_t axis = no_axis;     ///< of a hit
-  bool hit = false;
-  bool overflow = false;
+  std::int64_t t_hit;      ///< of a hit
+  std::uint32_t job_word;
+  std::uint32_t cost;
+  std::uint32_t pushes;
+  std::uint8_t depth;
+  std::int8_t axis;        ///< of a hit
+  bool hit;
+  bool overflow;
 };
 
 /// The walks of all jobs of a run, in their order. They serve every core count, policy, source and sink.
 struct walked_rays {
-  std::vector<walked_ray> rays;
+  explicit walked_rays(std::size_t count) : rays(new walked_ray[count]), size(count) {}
+
+  std::unique_ptr<walked_ray[]> rays;
+  std::size_t size;
   numeric::float_to_fixed_stats conversion;
 };
 
