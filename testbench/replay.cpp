@@ -14,7 +14,7 @@
 namespace rtusim {
 namespace {
 
-constexpr unsigned stages = job_manager::stages;
+constexpr unsigned stages = job_manager::latency_cycles;
 
 /// Division of small numbers by N without dividing.
 class divider {
@@ -534,8 +534,10 @@ class walk_in_parts {
     const std::size_t n = next_.fetch_add(1, std::memory_order_relaxed);
     if (n >= done_.size()) return false;
     numeric::float_to_fixed_stats conversion;
+    traversal_job job;
     for (std::size_t j = n * part; j < std::min((n + 1) * part, jobs_.size()); ++j) {
-      const svo_outcome o = walk_(convert(jobs_[j], converter_, conversion), words_);
+      convert(jobs_[j], converter_, conversion, job);
+      const svo_outcome o = walk_(job, words_);
       all_.rays[j] = {o.t_hit, o.job_word, o.cost, o.pushes, o.depth, o.axis, o.hit, o.overflow};
     }
     {

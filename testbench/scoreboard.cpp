@@ -7,7 +7,7 @@ namespace rtusim {
 scoreboard::scoreboard(rtu& unit, channel<job_packet>& jobs, channel<traversal_result>& results) {
   const std::size_t cores = unit.cores().size();
   std::size_t ring = 16;
-  while (ring < job_manager::stages + 2 * cores + 2) ring *= 2;
+  while (ring < job_manager::latency_cycles + 2 * cores + 2) ring *= 2;
   flights_.resize(ring);
   jobs.observe(*this, 0);
   unit.pending_job().observe(*this, pending);
@@ -60,12 +60,12 @@ void scoreboard::transferred(unsigned which, cycle c, const traversal_result& r)
 void scoreboard::arrived(cycle c, const traversal_result& r) {
   const flight& f = in_flight(r.sequence);
   RTU_CHECK(static_cast<std::uint32_t>(r.core), ==, f.core);
-  const cycle converted = f.accepted + job_manager::stages;
+  const cycle converted = f.accepted + job_manager::latency_cycles;
   const cycle walked = f.dispatched + r.cost + 1;
   RTU_CHECK(f.dispatched, >=, converted);
   RTU_CHECK(f.buffered, >=, walked);
   RTU_CHECK(c, >, f.buffered);
-  const ray_waits waits{job_manager::stages, f.dispatched - converted, r.cost + std::uint64_t{1}, f.buffered - walked, c - f.buffered};
+  const ray_waits waits{job_manager::latency_cycles, f.dispatched - converted, r.cost + std::uint64_t{1}, f.buffered - walked, c - f.buffered};
   RTU_CHECK(waits.latency_cycles(), ==, c - f.accepted);
 
   figures_.count(c, r, waits.latency_cycles());

@@ -122,7 +122,7 @@ void bench_float_to_fixed(const design& d, const unit_files& files) {
     converter.out(b.out);
     b.clock.start();
     for (std::size_t row = 0; row < words.size(); ++row) {
-      RTU_CHECK(b.left.cycles[row] - b.entered.cycles[row], ==, static_cast<cycle>(float_to_fixed::stages));
+      RTU_CHECK(b.left.cycles[row] - b.entered.cycles[row], ==, static_cast<cycle>(numeric::float_to_fixed_stages));
       results.push_back({b.left.payloads[row]});
     }
     if (const auto& s = converter.statistics(); s.overflows + s.nans != 0)

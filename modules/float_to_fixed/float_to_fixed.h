@@ -11,21 +11,22 @@ namespace rtusim {
 ///
 /// Timing: 5 stages that move together (see `pipeline_unit`), one word a clock. The job manager has six of them behind its parameter
 /// register, so it does their work as part of its own pipeline.
-class float_to_fixed : public pipeline_unit<std::uint32_t, std::int64_t, numeric::float_to_fixed_stages> {
+class float_to_fixed : public pipeline_unit<std::uint32_t, std::int64_t> {
  public:
   struct params {
     numeric::fixed_format format;
     numeric::float_to_fixed_errata conversion;
   };
 
-  float_to_fixed(const sc_core::sc_module_name& name, const params& p) : pipeline_unit(name), converter_(p.format, p.conversion) {}
+  float_to_fixed(const sc_core::sc_module_name& name, const params& p)
+      : pipeline_unit(name, numeric::float_to_fixed_stages), converter_(p.format, p.conversion) {}
 
   const numeric::float_to_fixed_stats& statistics() const { return stats_; }
 
  private:
-  std::int64_t process(const std::uint32_t& float_bits) override {
+  void process(const std::uint32_t& float_bits, std::int64_t& fixed) override {
     ++stats_.conversions;
-    return converter_(float_bits, stats_);
+    fixed = converter_(float_bits, stats_);
   }
 
   numeric::float_to_fixed_converter converter_;

@@ -2,12 +2,12 @@
 
 namespace rtusim {
 
-job_manager::job_manager(const sc_core::sc_module_name& name, const params& p) : pipeline_unit(name), converter_(p.format, p.conversion) {}
+job_manager::job_manager(const sc_core::sc_module_name& name, const params& p)
+    : pipeline_unit(name, latency_cycles), converter_(p.format, p.conversion) {}
 
-traversal_job job_manager::process(const job_packet& packet) {
-  traversal_job job = convert(packet, converter_, stats_.conversion);
+void job_manager::process(const job_packet& packet, traversal_job& job) {
+  convert(packet, converter_, stats_.conversion, job);
   job.sequence = static_cast<std::uint32_t>(stats_.jobs++);
-  return job;
 }
 
 void job_manager::trace(waveform& w) const {

@@ -12,10 +12,13 @@ namespace rtusim {
 ///
 /// Timing: one parameter register and the converter's stages, which move together (see `pipeline_unit`): a job accepted at edge e
 /// is offered from edge e + 6 on.
-class job_manager final : public pipeline_unit<job_packet, traversal_job, 1 + numeric::float_to_fixed_stages> {
+class job_manager final : public pipeline_unit<job_packet, traversal_job> {
  public:
+  /// A parameter register and the converter's stages.
+  static constexpr unsigned latency_cycles = 1 + numeric::float_to_fixed_stages;
+
   struct params {
-    numeric::fixed_format format;             ///< of the section `fixed_point`
+    numeric::fixed_format format;               ///< of the section `fixed_point`
     numeric::float_to_fixed_errata conversion;  ///< of the section `float_to_fixed`
   };
   struct stats {
@@ -30,7 +33,7 @@ class job_manager final : public pipeline_unit<job_packet, traversal_job, 1 + nu
   const stats& statistics() const { return stats_; }
 
  private:
-  traversal_job process(const job_packet& packet) override;
+  void process(const job_packet& packet, traversal_job& job) override;
   void trace(waveform& w) const override;
 
   numeric::float_to_fixed_converter converter_;
@@ -38,9 +41,8 @@ class job_manager final : public pipeline_unit<job_packet, traversal_job, 1 + nu
 };
 
 /// What a job becomes in the job manager; its `sequence` is left 0.
-inline traversal_job convert(const job_packet& packet, const numeric::float_to_fixed_converter& converter,
-                             numeric::float_to_fixed_stats& stats) {
-  traversal_job job;
+inline void convert(const job_packet& packet, const numeric::float_to_fixed_converter& converter, numeric::float_to_fixed_stats& stats,
+                    traversal_job& job) {
   job.job_word = packet.job_word;
   job.address = packet.address;
   for (unsigned i = 0; i < 3; ++i) {
@@ -48,7 +50,6 @@ inline traversal_job convert(const job_packet& packet, const numeric::float_to_f
     job.t1[i] = converter(packet.t1[i], stats);
   }
   stats.conversions += 6;
-  return job;
 }
 
 }  // namespace rtusim

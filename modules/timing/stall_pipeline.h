@@ -1,58 +1,77 @@
 #pragma once
 
-#include <array>
+#include <algorithm>
 #include <cstdint>
+#include <vector>
 
 #include "modules/timing/offer.h"
 
 namespace rtusim {
 
 /// Stages that move together: all advance when the last is empty or its occupant leaves; bubbles are not squeezed out.
-/// What enters at an edge is at the output `Stages` edges later if nothing stalls.
-template <class T, unsigned Stages>
+/// What enters at an edge is at the output `stages` edges later if nothing stalls.
+///
+/// As occupants keep their distances, each is kept with the number of the move that brings it to the output.
+template <class T>
 class stall_pipeline {
-  static_assert(Stages >= 1 && Stages <= 32);
-
  public:
-  bool empty() const { return valid_ == 0; }
-  /// Whether the last stage is occupied.
-  bool output_valid() const { return (valid_ & last) != 0; }
-  /// Bit i: stage i holds something.
-  std::uint32_t valid_bits() const { return valid_; }
-  /// The cycle from which on the oldest occupant is at the output, if `next` is the next edge; never when empty.
-  cycle output_from(cycle next) const {
-    return valid_ == 0 ? never : next + static_cast<unsigned>(__builtin_clz(valid_)) - (32 - Stages);
-  }
-  /// The oldest occupant, where it will be at the output.
-  const T& output() const { return items_[head_]; }
+  explicit stall_pipeline(unsigned stages) : items_(stages) {}
 
-  /// One edge. `leaves`: the occupant of the last stage is taken; `enters`: what comes in, or null. Nothing may come in while
-  /// the pipeline stalls.
-  void edge(bool leaves, const T* enters) {
+  unsigned stages() const { return static_cast<unsigned>(items_.size()); }
+  bool empty() const { return size_ == 0; }
+  /// Whether the last stage is occupied.
+  bool output_valid() const { return size_ != 0 && items_[head_].at_output == moves_; }
+  /// The cycle from which on the oldest occupant is at the output, if `next` is the next edge; never when empty.
+  cycle output_from(cycle next) const { return size_ == 0 ? never : next + (items_[head_].at_output - moves_); }
+  /// The oldest occupant, where it will be at the output.
+  const T& output() const { return items_[head_].payload; }
+  /// Moves since something entered last, that edge's included; never if nothing has.
+  cycle since_entry() const { return entered_ == never ? never : moves_ - entered_; }
+
+  /// One edge. `leaves`: the occupant of the last stage is taken. Whether the stages move.
+  bool advance(bool leaves) {
     if (leaves) {
-      head_ = (head_ + 1) % ring;
-      valid_ &= ~last;
+      head_ = after(head_);
+      --size_;
     }
-    if (!output_valid()) valid_ <<= 1;
-    if (enters != nullptr) {
-      valid_ |= 1;
-      items_[(head_ + static_cast<unsigned>(__builtin_popcount(valid_)) - 1) % ring] = *enters;
-    }
+    const bool moves = leaves || !output_valid();
+    moves_ += moves;
+    return moves;
+  }
+  /// Something comes in at the edge that `advance` did, at which the stages must have moved.
+  T& enter() {
+    entered_ = moves_ - 1;
+    slot& s = items_[free_];
+    free_ = after(free_);
+    ++size_;
+    s.at_output = entered_ + items_.size();
+    return s.payload;
   }
   /// `n` edges at which nothing enters or leaves.
-  void idle(cycle n) {
-    if (valid_ == 0) return;
-    const auto room = static_cast<unsigned>(__builtin_clz(valid_)) - (32 - Stages);
-    valid_ <<= n < room ? static_cast<unsigned>(n) : room;
+  void idle(cycle n) { moves_ += size_ == 0 ? n : std::min(n, items_[head_].at_output - moves_); }
+
+  /// Bit i: stage i holds something; of at most 64 stages.
+  std::uint64_t valid_bits() const {
+    std::uint64_t bits = 0;
+    for (unsigned n = 0, i = head_; n < size_; ++n, i = after(i))
+      bits |= std::uint64_t{1} << (stages() - 1 - (items_[i].at_output - moves_));
+    return bits;
   }
 
  private:
-  static constexpr std::uint32_t last = std::uint32_t{1} << (Stages - 1);
-  static constexpr unsigned ring = Stages <= 8 ? 8 : Stages <= 16 ? 16 : 32;
+  struct slot {
+    cycle at_output = 0;
+    T payload{};
+  };
 
-  std::uint32_t valid_ = 0;
+  unsigned after(unsigned i) const { return i + 1 < items_.size() ? i + 1 : 0; }
+
+  std::vector<slot> items_;  // a ring: [head_, free_)
   unsigned head_ = 0;
-  std::array<T, ring> items_{};
+  unsigned free_ = 0;
+  unsigned size_ = 0;
+  cycle moves_ = 0;
+  cycle entered_ = never;
 };
 
 }  // namespace rtusim

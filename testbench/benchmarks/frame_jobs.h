@@ -36,7 +36,7 @@ inline const std::vector<traversal_job>& frame_jobs() {
     std::vector<traversal_job> all;
     numeric::float_to_fixed_stats stats;
     const numeric::float_to_fixed_converter converter(as_built().fixed_point, as_built().float_to_fixed);
-    for (const job_packet& p : frame_packets()) all.push_back(convert(p, converter, stats));
+    for (const job_packet& p : frame_packets()) convert(p, converter, stats, all.emplace_back());
     return all;
   }();
   return jobs;

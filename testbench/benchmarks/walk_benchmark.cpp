@@ -50,8 +50,13 @@ BENCHMARK_CAPTURE(ours, wide, wide())->Name("walk/48_bits")->Unit(benchmark::kMi
 void convert_frame(benchmark::State& state) {
   const numeric::float_to_fixed_converter converter(as_built().fixed_point, as_built().float_to_fixed);
   numeric::float_to_fixed_stats stats;
-  for (auto _ : state)
-    for (const job_packet& packet : frame_packets()) benchmark::DoNotOptimize(convert(packet, converter, stats));
+  traversal_job job;
+  for (auto _ : state) {
+    for (const job_packet& packet : frame_packets()) {
+      convert(packet, converter, stats, job);
+      benchmark::DoNotOptimize(job);
+    }
+  }
   per_ray(state, frame_packets().size());
 }
 BENCHMARK(convert_frame)->Name("float_to_fixed/six_a_ray")->Unit(benchmark::kMillisecond);
