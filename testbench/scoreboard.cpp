@@ -10,12 +10,11 @@ scoreboard::scoreboard(rtu& unit, channel<job_packet>& jobs, channel<traversal_r
   while (ring < job_manager::latency_cycles + 2 * cores + 2) ring *= 2;
   flights_.resize(ring);
   jobs.observe(*this, 0);
-  unit.pending_job().observe(*this, pending);
   for (unsigned i = 0; i < cores; ++i) {
-    unit.core_jobs()[i].observe(*this, i + 1);
-    unit.core_results()[i].observe(*this, i + 1);
+    unit.core_jobs()[i].observe(*this, i);
+    unit.core_results()[i].observe(*this, i);
   }
-  results.observe(*this, 0);
+  results.observe(*this, unit_output);
 }
 
 void scoreboard::transferred(unsigned, cycle c, const job_packet& p) {
@@ -31,24 +30,20 @@ void scoreboard::transferred(unsigned, cycle c, const job_packet& p) {
   figures_.last_accepted = c;
 }
 
-void scoreboard::transferred(unsigned which, cycle c, const traversal_job& j) {
+void scoreboard::transferred(unsigned core, cycle c, const traversal_job& j) {
   flight& f = in_flight(j.sequence);
   RTU_CHECK(f.job_word, ==, j.job_word);
-  if (which == pending) {
-    RTU_CHECK(j.sequence, ==, dispatched_);
-    ++dispatched_;
-    f.dispatched = c;
-  } else {
-    RTU_CHECK(f.dispatched, ==, c);
-    f.core = which - 1;
-  }
+  RTU_CHECK(j.sequence, ==, dispatched_);
+  ++dispatched_;
+  f.dispatched = c;
+  f.core = core;
 }
 
 void scoreboard::transferred(unsigned which, cycle c, const traversal_result& r) {
   flight& f = in_flight(r.sequence);
   RTU_CHECK(f.job_word, ==, r.job_word);
-  if (which != 0) {
-    RTU_CHECK(f.core, ==, which - 1);
+  if (which != unit_output) {
+    RTU_CHECK(f.core, ==, which);
     RTU_CHECK(f.buffered, ==, never);
     f.buffered = c;
     return;
@@ -65,7 +60,8 @@ void scoreboard::arrived(cycle c, const traversal_result& r) {
   RTU_CHECK(f.dispatched, >=, converted);
   RTU_CHECK(f.buffered, >=, walked);
   RTU_CHECK(c, >, f.buffered);
-  const ray_waits waits{job_manager::latency_cycles, f.dispatched - converted, r.cost + std::uint64_t{1}, f.buffered - walked, c - f.buffered};
+  const ray_waits waits{job_manager::latency_cycles, f.dispatched - converted, r.cost + std::uint64_t{1}, f.buffered - walked,
+                        c - f.buffered};
   RTU_CHECK(waits.latency_cycles(), ==, c - f.accepted);
 
   figures_.count(c, r, waits.latency_cycles());

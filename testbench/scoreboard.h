@@ -67,7 +67,7 @@ using result_handler = std::function<void(cycle, const traversal_result&, std::u
 
 /// Watches an RTU's channels: that each job comes to one result, in order where order is promised, and how long each part took.
 /// A violation is a simulation_error.
-class scoreboard final : channel_observer<job_packet>, channel_observer<traversal_job>, channel_observer<traversal_result> {
+class scoreboard final {
  public:
   scoreboard(rtu& unit, channel<job_packet>& jobs, channel<traversal_result>& results);
 
@@ -87,12 +87,14 @@ class scoreboard final : channel_observer<job_packet>, channel_observer<traversa
     std::uint32_t core = 0;
     cycle accepted = never, dispatched = never, buffered = never;
   };
-  // Observed channels, by the number that comes with a transfer: the scheduler's input, or from 1 on core i - 1.
-  static constexpr unsigned pending = 0;
+  template <class T>
+  friend class channel;
 
-  void transferred(unsigned which, cycle c, const job_packet& p) override;
-  void transferred(unsigned which, cycle c, const traversal_job& j) override;
-  void transferred(unsigned which, cycle c, const traversal_result& r) override;
+  // Transfers of the observed channels: `which` is the core, or for the RTU's output `unit_output`.
+  static constexpr unsigned unit_output = ~0u;
+  void transferred(unsigned, cycle c, const job_packet& p);
+  void transferred(unsigned core, cycle c, const traversal_job& j);
+  void transferred(unsigned which, cycle c, const traversal_result& r);
   flight& in_flight(std::uint32_t sequence) { return flights_[sequence & (flights_.size() - 1)]; }
   void arrived(cycle c, const traversal_result& r);
 

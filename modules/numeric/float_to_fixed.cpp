@@ -1,5 +1,7 @@
 #include "modules/numeric/float_to_fixed.h"
 
+#include <cmath>
+
 namespace rtusim::numeric {
 
 float_to_fixed_converter::float_to_fixed_converter(const fixed_format& format, const float_to_fixed_errata& errata)
@@ -9,8 +11,7 @@ float_to_fixed_converter::float_to_fixed_converter(const fixed_format& format, c
   // As built, unbiased exponents up to 1 - n_f give 0; right, those below -n_f do.
   least_ = static_cast<unsigned>((errata.flush_small ? 2 - n_f : -n_f) + static_cast<int>(bias));
   greatest_ = static_cast<unsigned>(n_i - 2 + static_cast<int>(bias));
-  // Mantissa times 2^(exponent + n_f - 23), of a mantissa shifted up by 40.
-  shift_ = static_cast<unsigned>(40 + 23 - n_f + static_cast<int>(bias));
+  one_ = std::ldexp(1.0, n_f);
 }
 
 std::int64_t float_to_fixed_converter::at_the_ends(std::uint32_t float_bits, float_to_fixed_stats& stats) const {

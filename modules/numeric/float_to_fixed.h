@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <cstring>
 
 #include "modules/config/report.h"
 #include "modules/config/section.h"
@@ -25,7 +26,7 @@ struct float_to_fixed_stats {
   std::uint64_t conversions = 0;
   std::uint64_t overflows = 0;  ///< magnitudes beyond the format, infinities among them
   std::uint64_t nans = 0;
-  std::uint64_t flushed = 0;    ///< non-zero values that became zero because they are small
+  std::uint64_t flushed = 0;  ///< non-zero values that became zero because they are small
 
   float_to_fixed_stats& operator+=(const float_to_fixed_stats& s);
   void describe(config::report& r) const;
@@ -39,12 +40,14 @@ class float_to_fixed_converter {
   /// The raw word, sign-extended. What loses its value is counted; the conversions are the caller's to count.
   std::int64_t operator()(std::uint32_t float_bits, float_to_fixed_stats& stats) const {
     const unsigned biased = float_bits >> 23 & 0xff;
-    if (biased < least_ || biased > greatest_) return at_the_ends(float_bits, stats);
-    // The binary point of the shifted mantissa lies so high that only a right shift is left.
-    std::uint64_t magnitude = (std::uint64_t{0x800000} | (float_bits & 0x7fffff)) << 40 >> (shift_ - biased);
-    if (clear_lsb_ && biased > bias && ((biased ^ bias) & 1) != 0) magnitude &= ~std::uint64_t{1};
-    const auto value = static_cast<std::int64_t>(magnitude);
-    return float_bits >> 31 ? -value : value;
+    if (biased - least_ > greatest_ - least_) return at_the_ends(float_bits, stats);
+    // Exact but for the conversion, which cuts toward zero as the shifters do.
+    float value;
+    std::memcpy(&value, &float_bits, sizeof value);
+    const auto fixed = static_cast<std::int64_t>(static_cast<double>(value) * one_);
+    if (!clear_lsb_) return fixed;
+    const auto odd = static_cast<std::int64_t>(biased > bias) & ~static_cast<std::int64_t>(biased);
+    return fixed - (fixed & odd & 1) + (fixed & odd & 1 & -static_cast<std::int64_t>(float_bits >> 31)) * 2;
   }
 
  private:
@@ -56,9 +59,9 @@ class float_to_fixed_converter {
   fixed_format format_;
   bool saturate_to_zero_;
   bool clear_lsb_;
-  unsigned least_;     // biased exponents between which a word keeps some of its value
+  unsigned least_;  // biased exponents between which a word keeps some of its value
   unsigned greatest_;
-  unsigned shift_;
+  double one_;  // 2^fraction_bits
 };
 
 /// One conversion of that kind.

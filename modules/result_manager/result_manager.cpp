@@ -15,7 +15,7 @@ result_manager::result_manager(const sc_core::sc_module_name& name, const params
 
 void result_manager::connect() {
   for (unsigned i = 0; i < core_in.size(); ++i) core_in[i]->report_arrivals_as(i);
-  result_out->drive(static_cast<const payload_select<traversal_result>&>(*this));
+  result_out->drive_from(*this);
 }
 
 void result_manager::reset() {
@@ -23,9 +23,13 @@ void result_manager::reset() {
   result_out->offer_valid(offer::none());
 }
 
-unsigned result_manager::selected(cycle c) const { return full_.selected(valid_withdrawn_ ? c : std::min(c, offered_from_)); }
+unsigned result_manager::selected(cycle c) const {
+  return full_.selected(valid_withdrawn_ ? c : std::min(c, offered_from_));
+}
 
-const traversal_result& result_manager::payload_at(cycle c) const { return buffers_[selected(c)]; }
+const traversal_result& result_manager::payload_at(cycle c) const {
+  return buffers_[selected(c)];
+}
 
 void result_manager::edge() {
   const bool taken = result_out->fired();

@@ -16,7 +16,7 @@ namespace rtusim {
 ///
 /// Timing: an empty buffer takes its core's result at the edge at which that is valid. A select turns by one every clock; the buffer
 /// that it points at is offered if it is full, and empty again from the edge behind the transfer on. Order `as_finished`.
-class result_manager final : public unit, private payload_select<traversal_result> {
+class result_manager final : public unit {
  public:
   enum class order : std::uint8_t { as_finished };
   static config::word_list order_words() { return {"as_finished"}; }
@@ -33,6 +33,8 @@ class result_manager final : public unit, private payload_select<traversal_resul
 
   result_manager(const sc_core::sc_module_name& name, const params& p, unsigned cores);
 
+  const traversal_result& payload_at(cycle c) const;
+
  private:
   void connect() override;
   void reset() override;
@@ -40,13 +42,12 @@ class result_manager final : public unit, private payload_select<traversal_resul
   void settle_registers() override;
   bool level(const channel_base& port) const override;
   void trace(waveform& w) const override;
-  const traversal_result& payload_at(cycle c) const override;
   unsigned selected(cycle c) const;
 
-  bool valid_withdrawn_;          // with one buffer the select has nowhere to turn to
-  rotating_select full_;          // the select, and which buffers are full
+  bool valid_withdrawn_;  // with one buffer the select has nowhere to turn to
+  rotating_select full_;  // the select, and which buffers are full
   std::vector<traversal_result> buffers_;
-  cycle offered_from_ = never;    // where an offer stays: since when the buffer under the select is offered
+  cycle offered_from_ = never;  // where an offer stays: since when the buffer under the select is offered
   unsigned shown_select_ = 0;
   std::vector<std::uint8_t> shown_full_;
 };

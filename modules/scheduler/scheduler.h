@@ -18,7 +18,7 @@ namespace rtusim {
 /// - cyclic first available: the select turns by one every clock; the job goes where it points if that core is ready.
 /// - round robin: the select points at the next core in line and moves on when that core takes a job.
 /// - first available: no select; of the cores that are ready, the one with the lowest index.
-class scheduler final : public junction, private payload_select<traversal_job> {
+class scheduler final : public junction {
  public:
   enum class policy : std::uint8_t { cyclic_first_available, round_robin, first_available };
   static config::word_list policy_words() { return {"cyclic_first_available", "round_robin", "first_available"}; }
@@ -35,6 +35,7 @@ class scheduler final : public junction, private payload_select<traversal_job> {
 
   std::uint64_t valid_cycles(unsigned which) override;
   bool points_at(unsigned which, cycle c) const override;
+  const traversal_job& payload_at(cycle c) const { return job_in->offered(c); }
 
  private:
   void connect() override;
@@ -45,16 +46,15 @@ class scheduler final : public junction, private payload_select<traversal_job> {
   void output_ready(unsigned which, bool ready) override;
   void input_valid(cycle from, cycle to) override;
   channel_base& pass(cycle c) override;
-  const traversal_job& payload_at(cycle c) const override { return job_in->offered(c); }
   unsigned selected(cycle c) const;
   offer ready_offer() const;
 
-  policy policy_;               // with one core the select has nowhere to turn to: as round robin
-  rotating_select idle_cores_;  // the select register of the cyclic policy, and which cores are ready
-  unsigned in_line_ = 0;        // the select register of round robin
-  std::uint64_t whole_turns_ = 0;                // valid cycles that every output has had
-  std::vector<std::int64_t> turn_steps_;         // and those beyond: the difference from one output to the next
-  std::vector<std::uint64_t> valid_cycles_;      // by output, for the policies whose select stands still
+  policy policy_;                            // with one core the select has nowhere to turn to: as round robin
+  rotating_select idle_cores_;               // the select register of the cyclic policy, and which cores are ready
+  unsigned in_line_ = 0;                     // the select register of round robin
+  std::uint64_t whole_turns_ = 0;            // valid cycles that every output has had
+  std::vector<std::int64_t> turn_steps_;     // and those beyond: the difference from one output to the next
+  std::vector<std::uint64_t> valid_cycles_;  // by output, for the policies whose select stands still
   unsigned shown_select_ = 0;
 };
 

@@ -23,7 +23,9 @@ void svo_core::reset() {
 }
 
 void svo_core::accept(const traversal_job& job) {
-  outcome_before_ = outcome_;
+  job_ = job;
+  child_before_ = outcome_.child;
+  depth_before_ = outcome_.depth;
   bus_before_ = bus_;
   outcome_ = walk_(job, memory_);
   if (outcome_.overflow) throw svo_stack_overflow(name(), params_.stack_depth, job.sequence, job.job_word, now());
@@ -65,8 +67,8 @@ void svo_core::settle_registers() {
   } else {
     if (machine_edge_ <= accepted_) {
       // Either the machine stands where the last job left it, or it never stepped through that job.
-      machine_.inherit(outcome_before_.child, outcome_before_.depth, bus_before_);
-      machine_.accept(job_in->data());  // the last job's, until another comes
+      machine_.inherit(child_before_, depth_before_, bus_before_);
+      machine_.accept(job_);
       machine_edge_ = accepted_ + 1;
     }
     const cycle last_step = accepted_ + 1 + outcome_.cost;

@@ -58,8 +58,8 @@ class svo_core final : public unit {
   traversal_result result_;
   svo_result_registers bus_;  // what the result bus keeps
   svo_outcome outcome_;
-  cycle accepted_ = never;    // the last job's
-  cycle released_ = never;    // its result's, once it is taken
+  cycle accepted_ = never;  // the last job's
+  cycle released_ = never;  // its result's, once it is taken
   std::uint64_t jobs_ = 0;
   std::uint64_t hits_ = 0;
   std::uint64_t cost_ = 0;
@@ -69,9 +69,11 @@ class svo_core final : public unit {
 
   // The state machine follows the outcome when somebody watches.
   svo_machine machine_;
-  svo_outcome outcome_before_;
+  traversal_job job_;
+  std::uint8_t child_before_ = 0;  // what the job before left
+  std::uint8_t depth_before_ = 0;
   svo_result_registers bus_before_;
-  cycle machine_edge_ = 0;    // the machine's registers stand just before this edge
+  cycle machine_edge_ = 0;  // the machine's registers stand just before this edge
   std::uint32_t shown_data_ = 0;
 };
 

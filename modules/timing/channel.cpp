@@ -6,8 +6,7 @@
 
 namespace rtusim {
 
-channel_base::channel_base(const char* name) : sc_object(name), booking(what::channel), clock_(&clock_domain::current().join(*this)) {
-}
+channel_base::channel_base(const char* name) : sc_object(name), booking(what::channel), clock_(&clock_domain::current().join(*this)) {}
 
 void channel_base::register_port(sc_core::sc_port_base& port, const char*) {
   auto* const owner = dynamic_cast<unit*>(port.get_parent_object());
@@ -58,7 +57,9 @@ bool channel_base::valid_level(cycle c) const {
   return upstream_->level(*this) && upstream_->points_at(output_, c);
 }
 
-bool channel_base::ready_level() const { return consumer_->level(*this); }
+bool channel_base::ready_level() const {
+  return consumer_->level(*this);
+}
 
 void channel_base::check_levels(cycle c) {
   const bool v = valid_level(c);

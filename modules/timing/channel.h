@@ -59,13 +59,18 @@ class channel_base : public sc_core::sc_object, public virtual sc_core::sc_inter
     const cycle end = clock_->next;
     if (end == valid_since_) return;
     if (downstream_ != nullptr) tell_junction(end);
-    valid_cycles_ += valid_.count(valid_since_, end);
+    // Where the other side asserts all the while, each asserted cycle was a transfer.
+    const bool met = valid_.when != nullptr && ready_.when == nullptr && std::max(ready_.from, ready_since_) <= valid_since_;
+    valid_cycles_ += met ? transfers_ - valid_settled_ : valid_.count(valid_since_, end);
+    valid_settled_ = transfers_;
     valid_since_ = end;
   }
   void settle_ready() {
     const cycle end = clock_->next;
     if (end == ready_since_) return;
-    ready_cycles_ += ready_.count(ready_since_, end);
+    const bool met = ready_.when != nullptr && valid_.when == nullptr && std::max(valid_.from, valid_since_) <= ready_since_;
+    ready_cycles_ += met ? transfers_ - ready_settled_ : ready_.count(ready_since_, end);
+    ready_settled_ = transfers_;
     ready_since_ = end;
   }
   /// A consumer with many inputs lists the transfers of this one as `which` in its `arrivals`.
@@ -84,11 +89,19 @@ class channel_base : public sc_core::sc_object, public virtual sc_core::sc_inter
   explicit channel_base(const char* name);
   void register_port(sc_core::sc_port_base& port, const char* interface_name) override;
 
-  /// Takes the payload over from the producer, at the edge of cycle c; called once for each transfer.
-  virtual void latch(cycle c) = 0;
-  /// Copies the payload that is offered in cycle c, or without an offer the one transferred last, to where a waveform looks.
+  /// Copies the payload that is offered in cycle c to where a waveform looks, zeros without an offer.
   virtual void show(cycle c, bool valid) = 0;
   virtual void trace_payload(waveform& w) const = 0;
+
+  const void* payload_at(cycle c) const { return pick_ == nullptr ? payload_ : pick_(picker_, c); }
+
+  const void* payload_ = nullptr;  // what is offered, where that does not depend on the cycle
+  const void* (*pick_)(const void* picker, cycle c) = nullptr;
+  const void* picker_ = nullptr;
+  const void* transferred_ = nullptr;  // at the edge being done
+  void (*notify_)(void* observer, unsigned which, cycle c, const void* payload) = nullptr;
+  void* observer_ = nullptr;
+  unsigned which_ = 0;
 
  private:
   friend class clock_domain;
@@ -128,6 +141,8 @@ class channel_base : public sc_core::sc_object, public virtual sc_core::sc_inter
   std::uint64_t valid_cycles_ = 0;
   std::uint64_t ready_cycles_ = 0;
   std::uint64_t transfers_ = 0;
+  std::uint64_t valid_settled_ = 0;  // of them, when the valid (ready) cycles were counted last
+  std::uint64_t ready_settled_ = 0;
   cycle last_fire_ = never;
   bool dirty_ = false;
   unsigned rank_ = 0;
@@ -139,22 +154,6 @@ class channel_base : public sc_core::sc_object, public virtual sc_core::sc_inter
   bool shown_ready_ = false;
 };
 
-/// Watches the transfers of a channel. Observers change nothing.
-template <class T>
-class channel_observer {
- public:
-  virtual ~channel_observer() = default;
-  virtual void transferred(unsigned which, cycle c, const T& payload) = 0;
-};
-
-/// Gives the payload that a port offers in cycle c, where that depends on the cycle.
-template <class T>
-class payload_select {
- public:
-  virtual ~payload_select() = default;
-  virtual const T& payload_at(cycle c) const = 0;
-};
-
 /// Registers the fields of a payload in a waveform; payload types overload it.
 template <class T>
 void trace_fields(waveform& w, const std::string& name, const T& payload);
@@ -164,33 +163,36 @@ class channel final : public channel_base {
  public:
   explicit channel(const char* name) : channel_base(name) {}
 
-  /// The payload of the transfer at this edge.
-  const T& data() const { return data_; }
+  /// The payload of the transfer at this edge, where the producer keeps it: it lies there untouched until the edge is done.
+  const T& data() const { return *static_cast<const T*>(transferred_); }
   /// The payload offered in cycle c, in which valid is asserted.
-  const T& offered(cycle c) const { return select_ != nullptr ? select_->payload_at(c) : *source_; }
-  /// Where the payload lies until the transfer.
-  void drive(const T& payload) { source_ = &payload; }
-  void drive(const payload_select<T>& select) { select_ = &select; }
-  /// `which` is handed back with each transfer.
-  void observe(channel_observer<T>& observer, unsigned which) {
+  const T& offered(cycle c) const { return *static_cast<const T*>(payload_at(c)); }
+  /// Where the payload lies until the edge of its transfer is done.
+  void drive(const T& payload) { payload_ = &payload; }
+  /// The payload depends on the cycle: it is `owner.payload_at(c)`.
+  template <class Owner>
+  void drive_from(const Owner& owner) {
+    picker_ = &owner;
+    pick_ = [](const void* o, cycle c) -> const void* {
+      const T& payload = static_cast<const Owner*>(o)->payload_at(c);
+      return &payload;
+    };
+  }
+  /// Lets `observer.transferred(which, c, payload)` watch the transfers. Observers change nothing.
+  template <class Observer>
+  void observe(Observer& observer, unsigned which) {
     observer_ = &observer;
     which_ = which;
+    notify_ = [](void* o, unsigned w, cycle c, const void* payload) {
+      static_cast<Observer*>(o)->transferred(w, c, *static_cast<const T*>(payload));
+    };
   }
 
  private:
-  void latch(cycle c) override {
-    data_ = offered(c);
-    if (observer_ != nullptr) observer_->transferred(which_, c, data_);
-  }
-  void show(cycle c, bool valid) override { shown_ = valid ? offered(c) : data_; }
+  void show(cycle c, bool valid) override { shown_ = valid ? offered(c) : T{}; }
   void trace_payload(waveform& w) const override { trace_fields(w, std::string(name()), shown_); }
 
-  const T* source_ = nullptr;
-  const payload_select<T>* select_ = nullptr;
-  T data_{};
   T shown_{};
-  channel_observer<T>* observer_ = nullptr;
-  unsigned which_ = 0;
 };
 
 /// Ports of either side. A unit binds to the channel, not to the unit behind it.

@@ -56,7 +56,9 @@ clock_state& clock_domain::join(channel_base& c) {
   return clock_;
 }
 
-void clock_domain::depends(channel_base& offers_of, channel_base& source) { source.dependents_.push_back(&offers_of); }
+void clock_domain::depends(channel_base& offers_of, channel_base& source) {
+  source.dependents_.push_back(&offers_of);
+}
 
 void clock_domain::start_of_simulation() {
   for (const channel_base* c : channels_)
@@ -104,9 +106,13 @@ void clock_domain::record(waveform& w, cycle from, cycle to) {
   record_to_ = to;
 }
 
-void clock_domain::start_recording() { record_from_ = clock_.next; }
+void clock_domain::start_recording() {
+  record_from_ = clock_.next;
+}
 
-void clock_domain::stop_recording() { record_to_ = clock_.next; }
+void clock_domain::stop_recording() {
+  record_to_ = clock_.next;
+}
 
 void clock_domain::start() {
   sc_core::sc_start();
@@ -126,7 +132,9 @@ void clock_domain::wake_up() {
   }
 }
 
-sc_core::sc_time clock_domain::begin_of(cycle c) const { return period_ * static_cast<double>(c); }
+sc_core::sc_time clock_domain::begin_of(cycle c) const {
+  return period_ * static_cast<double>(c);
+}
 
 void clock_domain::begin_cycle() {
   if (recording(clock_.next)) {
@@ -200,14 +208,18 @@ void clock_domain::fire(channel_base& ch, cycle c) {
   ch.last_fire_ = c;
   ++ch.transfers_;
   last_transfer_ = c;
-  ch.latch(c);
+  // A junction hands on what its input carries.
+  if (ch.upstream_ == nullptr) ch.transferred_ = ch.payload_at(c);
+  if (ch.notify_ != nullptr) ch.notify_(ch.observer_, ch.which_, c, ch.transferred_);
   if (ch.arrival_ != channel_base::unlisted) ch.consumer_->arrivals_.push_back(ch.arrival_);
   if (ch.upstream_ == nullptr) make_due(*ch.producer_);
   if (ch.downstream_ == nullptr) {
     make_due(*ch.consumer_);
   } else {
     ch.settle_valid();
-    fire(ch.downstream_->pass(c), c);
+    channel_base& output = ch.downstream_->pass(c);
+    output.transferred_ = ch.transferred_;
+    fire(output, c);
   }
   // Whether a transfer comes again is asked anew even if neither side says more.
   if (ch.upstream_ == nullptr) ch.mark_dirty();

@@ -109,9 +109,9 @@ class clock_domain : public sc_core::sc_module {
   clock_state clock_;
   cycle last_transfer_ = 0;
   bool stopping_ = false;
-  bool alone_ = false;     // whether SystemC has no other process
-  bool current_ = true;    // whether all units' registers stand at next_
-  cycle checked_ = 0;      // cycles whose levels were checked
+  bool alone_ = false;   // whether SystemC has no other process
+  bool current_ = true;  // whether all units' registers stand at next_
+  cycle checked_ = 0;    // cycles whose levels were checked
   std::uint64_t edges_to_tick_ = 0;
   std::function<void()> tick_;
   std::exception_ptr error_;  // SystemC would wrap what leaves a process

@@ -26,8 +26,8 @@ class work_list {
 
 /// What units and channels see of their clock at every turn.
 struct clock_state {
-  cycle now = never;  ///< the edge being done
-  cycle next = 0;     ///< the edge to be done next: all before it are done
+  cycle now = never;                           ///< the edge being done
+  cycle next = 0;                              ///< the edge to be done next: all before it are done
   std::vector<work_list<channel_base>> dirty;  ///< channels whose offers changed, by rank
 };
 

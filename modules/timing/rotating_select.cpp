@@ -15,7 +15,9 @@ void rotating_select::set_line(unsigned i, bool on) {
   on ? ++on_ : --on_;
 }
 
-unsigned rotating_select::lowest() const { return first_from(0); }
+unsigned rotating_select::lowest() const {
+  return first_from(0);
+}
 
 unsigned rotating_select::first_from(unsigned line) const {
   for (std::size_t word = line / 64; word < bits_.size(); ++word) {
@@ -50,8 +52,8 @@ std::uint64_t rotating_select::count(cycle from, cycle to) const {
   const std::uint64_t turns = length < lines_ ? 0 : length / lines_;
   const auto rest = static_cast<unsigned>(length - turns * lines_);
   const unsigned first = selected(from);
-  const std::uint64_t part = first + rest <= lines_ ? count_lines(first, first + rest)
-                                                    : count_lines(first, lines_) + count_lines(0, first + rest - lines_);
+  const std::uint64_t part =
+      first + rest <= lines_ ? count_lines(first, first + rest) : count_lines(first, lines_) + count_lines(0, first + rest - lines_);
   return turns * on_ + part;
 }
 

@@ -39,7 +39,7 @@ class rotating_select final : public pattern {
     known_line_ = line;
     return line;
   }
-  unsigned first_from(unsigned line) const;             // >= line, or lines_
+  unsigned first_from(unsigned line) const;  // >= line, or lines_
   std::uint64_t count_lines(unsigned begin, unsigned end) const;
 
   unsigned lines_;

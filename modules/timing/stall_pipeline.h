@@ -15,15 +15,15 @@ namespace rtusim {
 template <class T>
 class stall_pipeline {
  public:
-  explicit stall_pipeline(unsigned stages) : items_(stages) {}
+  explicit stall_pipeline(unsigned stages) : stages_(stages), items_(stages + 1) {}
 
-  unsigned stages() const { return static_cast<unsigned>(items_.size()); }
+  unsigned stages() const { return stages_; }
   bool empty() const { return size_ == 0; }
   /// Whether the last stage is occupied.
   bool output_valid() const { return size_ != 0 && items_[head_].at_output == moves_; }
   /// The cycle from which on the oldest occupant is at the output, if `next` is the next edge; never when empty.
   cycle output_from(cycle next) const { return size_ == 0 ? never : next + (items_[head_].at_output - moves_); }
-  /// The oldest occupant, where it will be at the output.
+  /// The oldest occupant, where it will be at the output; it stays untouched at the edge that takes it.
   const T& output() const { return items_[head_].payload; }
   /// Moves since something entered last, that edge's included; never if nothing has.
   cycle since_entry() const { return entered_ == never ? never : moves_ - entered_; }
@@ -44,7 +44,7 @@ class stall_pipeline {
     slot& s = items_[free_];
     free_ = after(free_);
     ++size_;
-    s.at_output = entered_ + items_.size();
+    s.at_output = entered_ + stages_;
     return s.payload;
   }
   /// `n` edges at which nothing enters or leaves.
@@ -54,7 +54,7 @@ class stall_pipeline {
   std::uint64_t valid_bits() const {
     std::uint64_t bits = 0;
     for (unsigned n = 0, i = head_; n < size_; ++n, i = after(i))
-      bits |= std::uint64_t{1} << (stages() - 1 - (items_[i].at_output - moves_));
+      bits |= std::uint64_t{1} << (stages_ - 1 - (items_[i].at_output - moves_));
     return bits;
   }
 
@@ -66,6 +66,7 @@ class stall_pipeline {
 
   unsigned after(unsigned i) const { return i + 1 < items_.size() ? i + 1 : 0; }
 
+  unsigned stages_;
   std::vector<slot> items_;  // a ring: [head_, free_)
   unsigned head_ = 0;
   unsigned free_ = 0;

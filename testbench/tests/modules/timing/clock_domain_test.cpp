@@ -51,9 +51,9 @@ class timer final : public unit {
   bool full_ = false;
 };
 
-struct recorder : channel_observer<std::uint32_t> {
+struct recorder {
   std::string text;
-  void transferred(unsigned, cycle c, const std::uint32_t& token) override { text += fmt::format("{}@{} ", token, c); }
+  void transferred(unsigned, cycle c, const std::uint32_t& token) { text += fmt::format("{}@{} ", token, c); }
 };
 
 std::string run_timer(pace p, sink_params::regime ready) {
