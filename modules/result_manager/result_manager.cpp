@@ -23,13 +23,9 @@ void result_manager::reset() {
   result_out->offer_valid(offer::none());
 }
 
-unsigned result_manager::selected(cycle c) const {
-  return full_.selected(valid_withdrawn_ ? c : std::min(c, offered_from_));
-}
+unsigned result_manager::selected(cycle c) const { return full_.selected(valid_withdrawn_ ? c : std::min(c, offered_from_)); }
 
-const traversal_result& result_manager::payload_at(cycle c) const {
-  return buffers_[selected(c)];
-}
+const traversal_result& result_manager::payload_at(cycle c) const { return buffers_[selected(c)]; }
 
 void result_manager::edge() {
   const bool taken = result_out->fired();

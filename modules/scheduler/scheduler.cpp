@@ -24,30 +24,22 @@ void scheduler::connect() {
   }
 }
 
-void scheduler::reset() {
-  job_in->offer_ready(ready_offer());
-}
+void scheduler::reset() { job_in->offer_ready(ready_offer()); }
 
 unsigned scheduler::selected(cycle c) const {
   switch (policy_) {
-    case policy::cyclic_first_available:
-      return idle_cores_.selected(c);
-    case policy::round_robin:
-      return in_line_;
-    case policy::first_available:
-      break;
+    case policy::cyclic_first_available: return idle_cores_.selected(c);
+    case policy::round_robin: return in_line_;
+    case policy::first_available: break;
   }
   return idle_cores_.any() ? idle_cores_.lowest() : idle_cores_.lines();
 }
 
 offer scheduler::ready_offer() const {
   switch (policy_) {
-    case policy::cyclic_first_available:
-      return offer::in(idle_cores_);
-    case policy::round_robin:
-      return idle_cores_.line(in_line_) ? offer::always_from(0) : offer::none();
-    case policy::first_available:
-      break;
+    case policy::cyclic_first_available: return offer::in(idle_cores_);
+    case policy::round_robin: return idle_cores_.line(in_line_) ? offer::always_from(0) : offer::none();
+    case policy::first_available: break;
   }
   return idle_cores_.any() ? offer::always_from(0) : offer::none();
 }
@@ -95,9 +87,7 @@ channel_base& scheduler::pass(cycle c) {
   return *core_out[core].operator->();
 }
 
-bool scheduler::points_at(unsigned which, cycle c) const {
-  return selected(c) == which;
-}
+bool scheduler::points_at(unsigned which, cycle c) const { return selected(c) == which; }
 
 bool scheduler::level(const channel_base& port) const {
   if (&port != job_in.operator->()) return job_in->valid_level(next_edge());
@@ -109,13 +99,9 @@ bool scheduler::level(const channel_base& port) const {
   return core_out[selected(next_edge())]->ready_level();
 }
 
-void scheduler::settle_registers() {
-  shown_select_ = selected(next_edge());
-}
+void scheduler::settle_registers() { shown_select_ = selected(next_edge()); }
 
-void scheduler::trace(waveform& w) const {
-  w.add(shown_select_, std::string(name()) + ".select", 16);
-}
+void scheduler::trace(waveform& w) const { w.add(shown_select_, std::string(name()) + ".select", 16); }
 
 void scheduler::params::describe(config::section& s) {
   s.choice("policy", select, policy_words(),

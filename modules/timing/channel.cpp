@@ -57,9 +57,7 @@ bool channel_base::valid_level(cycle c) const {
   return upstream_->level(*this) && upstream_->points_at(output_, c);
 }
 
-bool channel_base::ready_level() const {
-  return consumer_->level(*this);
-}
+bool channel_base::ready_level() const { return consumer_->level(*this); }
 
 void channel_base::check_levels(cycle c) {
   const bool v = valid_level(c);

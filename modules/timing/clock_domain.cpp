@@ -56,9 +56,7 @@ clock_state& clock_domain::join(channel_base& c) {
   return clock_;
 }
 
-void clock_domain::depends(channel_base& offers_of, channel_base& source) {
-  source.dependents_.push_back(&offers_of);
-}
+void clock_domain::depends(channel_base& offers_of, channel_base& source) { source.dependents_.push_back(&offers_of); }
 
 void clock_domain::start_of_simulation() {
   for (const channel_base* c : channels_)
@@ -106,13 +104,9 @@ void clock_domain::record(waveform& w, cycle from, cycle to) {
   record_to_ = to;
 }
 
-void clock_domain::start_recording() {
-  record_from_ = clock_.next;
-}
+void clock_domain::start_recording() { record_from_ = clock_.next; }
 
-void clock_domain::stop_recording() {
-  record_to_ = clock_.next;
-}
+void clock_domain::stop_recording() { record_to_ = clock_.next; }
 
 void clock_domain::start() {
   sc_core::sc_start();
@@ -132,9 +126,7 @@ void clock_domain::wake_up() {
   }
 }
 
-sc_core::sc_time clock_domain::begin_of(cycle c) const {
-  return period_ * static_cast<double>(c);
-}
+sc_core::sc_time clock_domain::begin_of(cycle c) const { return period_ * static_cast<double>(c); }
 
 void clock_domain::begin_cycle() {
   if (recording(clock_.next)) {

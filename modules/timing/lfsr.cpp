@@ -15,8 +15,6 @@ cycle lfsr::next(cycle c) const {
   return c;
 }
 
-std::uint64_t lfsr::count(cycle from, cycle to) const {
-  return from < to ? count_before(to) - count_before(from) : 0;
-}
+std::uint64_t lfsr::count(cycle from, cycle to) const { return from < to ? count_before(to) - count_before(from) : 0; }
 
 }  // namespace rtusim

@@ -15,9 +15,7 @@ void rotating_select::set_line(unsigned i, bool on) {
   on ? ++on_ : --on_;
 }
 
-unsigned rotating_select::lowest() const {
-  return first_from(0);
-}
+unsigned rotating_select::lowest() const { return first_from(0); }
 
 unsigned rotating_select::first_from(unsigned line) const {
   for (std::size_t word = line / 64; word < bits_.size(); ++word) {

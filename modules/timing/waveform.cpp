@@ -140,11 +140,7 @@ void trace_fields(waveform& w, const std::string& name, const traversal_result& 
   w.add(r.cost, name + ".cost");
 }
 
-void trace_fields(waveform& w, const std::string& name, const std::uint32_t& word) {
-  w.add(word, name + ".data");
-}
-void trace_fields(waveform& w, const std::string& name, const std::int64_t& word) {
-  w.add(word, name + ".data");
-}
+void trace_fields(waveform& w, const std::string& name, const std::uint32_t& word) { w.add(word, name + ".data"); }
+void trace_fields(waveform& w, const std::string& name, const std::int64_t& word) { w.add(word, name + ".data"); }
 
 }  // namespace rtusim
