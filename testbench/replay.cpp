@@ -208,7 +208,7 @@ class schedule final : public job_schedule {
   }
 
  private:
-  using policy = scheduler::policy;
+  using policy = scheduler_params::policy;
 
   void replay_job(std::uint32_t j) {
     const walked_ray& ray = walked_.rays[j];

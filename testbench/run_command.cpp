@@ -14,6 +14,7 @@
 #include "modules/config/files.h"
 #include "modules/config/schema.h"
 #include "modules/rtu/design.h"
+#include "testbench/driver.h"
 #include "testbench/job_file.h"
 #include "testbench/pictures.h"
 #include "testbench/replay.h"

@@ -445,6 +445,17 @@ void schema::refuse_unknown(const assignment& a, const std::set<std::string>* al
   if (!a.value.is_object()) throw input_error(a.place, a.key + " = " + a.shown, fmt::format("keys of the section [{}]", name));
 }
 
+void schema::read_when(const std::vector<std::string>& names, const std::function<bool()>& condition, const std::string& words) {
+  const auto named = [&names](const std::string& name) { return std::find(names.begin(), names.end(), name) != names.end(); };
+  for (auto& s : sections_) {
+    for (auto& p : s.parameters()) {
+      if (!named(s.name()) && !named(p.key)) continue;
+      const auto own = p.is_read;
+      p.when([condition, own] { return condition() && (!own || own()); }, p.read_when.empty() ? words : words + " and " + p.read_when);
+    }
+  }
+}
+
 void schema::forget(std::string_view key) {
   const parameter* p = find(key);
   RTU_CHECK(p != nullptr, ==, true);

@@ -30,6 +30,9 @@ class schema {
     homes_[std::string(name)] = home;
   }
 
+  /// These parameters, and those of these sections, are read only while `condition` holds, on top of their own conditions; `words` says when.
+  void read_when(const std::vector<std::string>& keys_or_sections, const std::function<bool()>& condition, const std::string& words);
+
   /// Lets the parameter `key` also be given as an array of tables with one entry, whose fields stand for other parameters:
   /// after `entry_form("rtu.core", {{"kind", "rtu.core"}, {"count", "rtu.cores"}})` the entry `[[rtu.core]]` with `kind` and
   /// `count` is the long form of `rtu.core` and `rtu.cores`. `why_one`: why a second entry is refused.

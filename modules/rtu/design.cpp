@@ -10,6 +10,8 @@ void rtu_params::describe(config::section& s) {
 
 void driver_params::describe(config::section& s) {
   s.erratum("last_sign_only", last_sign_only, "only the last negative direction component sets its bit of a", "each one does");
+  s.choice("norm", norm, norm_words(), "directions are scaled so that their components' magnitudes, or squares, add up to 1");
+  s.flag("skip_misses", skip_misses, "rays that miss the box of the scene are not sent");
 }
 
 void design::describe(config::schema& s) {

@@ -25,9 +25,16 @@ struct rtu_params {
   void describe(config::section& s);
 };
 
-/// What the host's driver does as it sends rays (Espe 2019, app. F).
+/// What a direction's length is measured by: the sum of its components' magnitudes, or their root of squares.
+enum class direction_norm : std::uint8_t { one, two };
+
+/// What the host's driver does as it sends rays (Espe 2019, app. F; Hanika 2007, sec. 2.1).
 struct driver_params {
+  static config::word_list norm_words() { return {"one", "two"}; }
+
   bool last_sign_only = false;
+  direction_norm norm = direction_norm::two;
+  bool skip_misses = true;
 
   void describe(config::section& s);
 };
@@ -39,7 +46,7 @@ struct design {
   driver_params driver;
   numeric::fixed_format fixed_point;
   numeric::float_to_fixed_errata float_to_fixed;
-  scheduler::params scheduler_;
+  scheduler_params scheduler_;
   svo_core_params svo_core;
   result_manager::params result_manager_;
   memory::params memory_;

@@ -33,7 +33,7 @@ class rtu : public sc_core::sc_module {
 
  private:
   job_manager job_manager_;
-  scheduler scheduler_;
+  scheduler<traversal_job> scheduler_;
   memory memory_;
   sc_core::sc_vector<svo_core> cores_;
   result_manager result_manager_;

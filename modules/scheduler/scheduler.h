@@ -12,30 +12,34 @@
 
 namespace rtusim {
 
+struct scheduler_params {
+  enum class policy : std::uint8_t { cyclic_first_available, round_robin, first_available };
+  static config::word_list policy_words() { return {"cyclic_first_available", "round_robin", "first_available"}; }
+
+  policy select = policy::cyclic_first_available;
+  void describe(config::section& s);
+};
+
 /// Hands the job that is offered to one of N cores, within the clock (Espe 2019, sec. 2.2.5, 6.2.2 and app. C.3).
 ///
 /// Timing: combinational both ways; the only register is the select. Policies:
 /// - cyclic first available: the select turns by one every clock; the job goes where it points if that core is ready.
 /// - round robin: the select points at the next core in line and moves on when that core takes a job.
 /// - first available: no select; of the cores that are ready, the one with the lowest index.
+template <class Job>
 class scheduler final : public junction {
  public:
-  enum class policy : std::uint8_t { cyclic_first_available, round_robin, first_available };
-  static config::word_list policy_words() { return {"cyclic_first_available", "round_robin", "first_available"}; }
+  using params = scheduler_params;
+  using policy = params::policy;
 
-  struct params {
-    policy select = policy::cyclic_first_available;
-    void describe(config::section& s);
-  };
-
-  rv_in<traversal_job> job_in{"job_in"};
-  sc_core::sc_vector<rv_out<traversal_job>> core_out;
+  rv_in<Job> job_in{"job_in"};
+  sc_core::sc_vector<rv_out<Job>> core_out;
 
   scheduler(const sc_core::sc_module_name& name, const params& p, unsigned cores);
 
   std::uint64_t valid_cycles(unsigned which) override;
   bool points_at(unsigned which, cycle c) const override;
-  const traversal_job& payload_at(cycle c) const { return job_in->offered(c); }
+  const Job& payload_at(cycle c) const { return job_in->offered(c); }
 
  private:
   void connect() override;

@@ -1,6 +1,6 @@
 #include "testbench/tests/random_scene.h"
 
-#include "testbench/camera.h"
+#include "testbench/driver.h"
 
 namespace rtusim::test {
 namespace {

@@ -16,6 +16,7 @@
 #include <zlib.h>
 
 #include "modules/config/error.h"
+#include "testbench/driver.h"
 #include "testbench/job_file.h"
 
 using namespace rtusim;
@@ -146,9 +147,14 @@ TEST_CASE("camera: rows shared by threads, or asked for in pieces, are the same 
 
   std::vector<job_packet> pieces(whole.size());
   const camera eye({}, size);
-  eye.rows(0, 10, false, 7, pieces.data());
-  eye.rows(10, 10, false, 7, pieces.data() + 10 * 45);
-  eye.rows(10, 31, false, 7, pieces.data() + 10 * 45);
+  const auto take = [&](const ray_lanes& rays, unsigned count, std::uint32_t pixel) {
+    for (unsigned i = 0; i < count; ++i)
+      pieces[pixel + i] = traversal_parameters({rays.origin[0][i], rays.origin[1][i], rays.origin[2][i]},
+                                               {rays.direction[0][i], rays.direction[1][i], rays.direction[2][i]}, pixel + i, false, 7);
+  };
+  eye.rows(0, 10, take);
+  eye.rows(10, 10, take);
+  eye.rows(10, 31, take);
   CHECK(differing(pieces, whole) == 0);
   CHECK(whole.back().address == 7);
   CHECK(whole.back().pixel() == 45 * 31 - 1);
@@ -219,14 +225,17 @@ TEST_CASE("camera: its parameters and the frame's, with the thesis' values and l
   camera::params p;
   config::section s("camera");
   p.describe(s);
-  std::vector<std::string> keys;
-  for (const auto& parameter : s.parameters()) keys.push_back(parameter.key);
-  CHECK(keys == std::vector<std::string>{"camera.vertical_fov_degrees", "camera.near", "camera.far", "camera.position", "camera.rotation"});
-  const auto& fov = std::get<config::real_slot>(s.parameters()[0].slot);
+  const auto real = [&s](const std::string& key) {
+    for (const auto& parameter : s.parameters())
+      if (parameter.key == key) return std::get<config::real_slot>(parameter.slot);
+    FAIL("no " << key);
+    return config::real_slot{};
+  };
+  const auto fov = real("camera.vertical_fov_degrees");
   CHECK(*fov.at == 75);
   CHECK(fov.limits.least > 0);
   CHECK(fov.limits.most < 180);
-  CHECK(std::get<config::real_slot>(s.parameters()[1].slot).limits.least > 0);
+  CHECK(real("camera.near").limits.least > 0);
 
   frame::params f;
   config::section fs("frame");
@@ -238,4 +247,84 @@ TEST_CASE("camera: its parameters and the frame's, with the thesis' values and l
   CHECK(height.get(height.at) == 720);
   CHECK(width.limits.least == 1);
   CHECK(width.limits.most * height.limits.most == std::uint64_t{job_id_mask} + 1);
+}
+
+namespace {
+
+struct ray {
+  per_axis<double> origin, direction;
+};
+
+std::vector<ray> rays_of(const camera::params& p, const frame::params& f) {
+  std::vector<ray> all;
+  camera(p, f).rows(0, f.height, [&](const ray_lanes& lanes, unsigned count, std::uint32_t pixel) {
+    REQUIRE(pixel == all.size());
+    for (unsigned i = 0; i < count; ++i)
+      all.push_back({{lanes.origin[0][i], lanes.origin[1][i], lanes.origin[2][i]},
+                     {lanes.direction[0][i], lanes.direction[1][i], lanes.direction[2][i]}});
+  });
+  return all;
+}
+
+void check_near(const per_axis<double>& found, const per_axis<double>& expected) {
+  for (std::size_t i = 0; i < 3; ++i) CHECK(found[i] == Approx(expected[i]).margin(1e-12));
+}
+
+}  // namespace
+
+TEST_CASE("camera: aimed from an eye to a target, right on the right and up on top") {
+  camera::params p;
+  p.which = camera::params::kind::look_at;
+  p.position = {0, 0, 5};
+  p.target = {0, 0, 1};
+  p.vertical_fov_degrees = 90;
+  const auto seen = rays_of(p, {3, 3});
+  REQUIRE(seen.size() == 9);
+  check_near(seen[4].direction, {0, 0, -1});
+  check_near(seen[0].direction, {-2.0 / 3, 2.0 / 3, -1});  // top left
+  check_near(seen[8].direction, {2.0 / 3, -2.0 / 3, -1});
+  for (const ray& r : seen) check_near(r.origin, p.position);
+
+  p.lens = camera::params::projection::orthographic;
+  p.height = 6;
+  const auto parallel = rays_of(p, {3, 3});
+  check_near(parallel[0].origin, {-2, 2, 5});
+  check_near(parallel[5].origin, {2, 0, 5});
+  for (const ray& r : parallel) check_near(r.direction, {0, 0, -1});
+
+  p.up = {0, -3, 0};  // upside down
+  check_near(rays_of(p, {3, 3})[0].origin, {2, -2, 5});
+}
+
+TEST_CASE("camera: on an orbit, also straight above and below") {
+  camera::params p;
+  p.which = camera::params::kind::orbit;
+  p.target = {1, 2, 3};
+  p.distance = 2;
+  p.azimuth_degrees = 90;
+  p.elevation_degrees = 0;
+  check_near(rays_of(p, {1, 1})[0].origin, {3, 2, 3});
+  check_near(rays_of(p, {1, 1})[0].direction, {-1, 0, 0});
+  p.azimuth_degrees = 0;
+  for (const double elevation : {90.0, -90.0}) {
+    p.elevation_degrees = elevation;
+    const auto seen = rays_of(p, {3, 3});
+    check_near(seen[4].origin, {1, 2 + 2 * elevation / 90, 3});
+    check_near(seen[4].direction, {0, -elevation / 90, 0});
+    // As the eye climbs to there, +x stays on the right.
+    CHECK(seen[5].direction[0] > 0.1);
+  }
+}
+
+TEST_CASE("camera: what contradicts itself is refused") {
+  camera::params p;
+  p.which = camera::params::kind::look_at;
+  p.target = p.position;
+  CHECK_THROWS_WITH(camera(p, {}), Catch::Contains("in the eye"));
+  p.target = {0, 0, 0};
+  p.position = {0, 3, 0};
+  CHECK_THROWS_WITH(camera(p, {}), Catch::Contains("along the view"));
+  p.position = {0, 0, 3};
+  p.up = {0, 0, 0};
+  CHECK_THROWS_AS(camera(p, {}), input_error);
 }

@@ -8,7 +8,7 @@
 #include "modules/config/files.h"
 #include "modules/formats/svo_image.h"
 #include "testbench/tests/random.h"
-#include "testbench/camera.h"
+#include "testbench/driver.h"
 #include "testbench/csv.h"
 #include "testbench/job_file.h"
 #include "testbench/replay.h"
@@ -144,7 +144,7 @@ TEST_CASE("system: any number of cores and any policy give the same set of resul
   std::set<std::string> first;
   for (const unsigned cores : {1u, 2u, 3u, 4u, 5u, 7u, 8u, 16u, 24u, 64u}) {
     for (const auto policy :
-         {scheduler::policy::cyclic_first_available, scheduler::policy::round_robin, scheduler::policy::first_available}) {
+         {scheduler_params::policy::cyclic_first_available, scheduler_params::policy::round_robin, scheduler_params::policy::first_available}) {
       design d;
       d.rtu.cores = cores;
       d.scheduler_.select = policy;
@@ -163,7 +163,7 @@ TEST_CASE("system: 500 random designs and streams are the same in every pace, wh
   for (int round = 0; round < 500; ++round) {
     design d;
     d.rtu.cores = random() % 4 == 0 ? 1 + random() % 64 : 1 + random() % 9;
-    d.scheduler_.select = static_cast<scheduler::policy>(random() % 3);
+    d.scheduler_.select = static_cast<scheduler_params::policy>(random() % 3);
     d.svo_core = test::random_core(random);
     d.fixed_point = d.svo_core.format;
     d.float_to_fixed = {random() % 2 == 0, random() % 2 == 0, random() % 2 == 0};

@@ -9,7 +9,7 @@
 #include "modules/numeric/float_to_fixed.h"
 #include "modules/svo_core/svo_walk.h"
 #include "scenes/svo_builder.h"
-#include "testbench/camera.h"
+#include "testbench/driver.h"
 
 namespace rtusim {
 namespace {

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "modules/formats/packets.h"
+#include "modules/formats/quantisation.h"
+#include "modules/rtu/design.h"
+#include "testbench/camera.h"
+#include "testbench/frame.h"
+
+/// What the host's driver makes of rays before it sends them.
+namespace rtusim {
+
+/// The job packet of one ray, computed as the thesis' driver does (Espe 2019, sec. 4.1 and 6.2.1, app. F `get_initial_params`).
+///
+/// The direction is normalised; a component that is exactly 0 becomes 0.0001; on an axis with a negative component origin and
+/// direction are mirrored and the axis' bit is set in `a`; t0 = (-1 - o)/d, t1 = (1 - o)/d for the root cube [-1, 1]^3. All in
+/// binary64; only t0 and t1 are rounded, to binary32, to nearest even, beyond its range to an infinity.
+/// A direction of length 0 or that is no number gives NaN words, which the hardware takes like any others.
+///
+/// \param origin, direction  in world units; the direction of any length
+/// \param job_id             bits above the 28th are dropped
+/// \param last_sign_only     the erratum of that name: `a` keeps only the last negative component, in x, y, z order
+/// \param model_address      word address of the model's root
+job_packet traversal_parameters(const per_axis<double>& origin, const per_axis<double>& direction, std::uint32_t job_id,
+                                bool last_sign_only, std::uint32_t model_address);
+
+/// The jobs of a whole frame in raster order, job ids are pixel indices. `threads` share the rows; the bytes do not depend on their number.
+/// Errors: as the camera's constructor.
+std::vector<job_packet> camera_jobs(const camera::params& p, const frame::params& f, bool last_sign_only, std::uint32_t model_address,
+                                    unsigned threads = 1);
+
+/// How world coordinates lie on a triangle model's grid: grid = world * scale + centre, in grid units.
+struct grid_mapping {
+  double scale = 1;               ///< grid units a world unit
+  per_axis<double> centre{};      ///< of the model's box, where the world's origin lies
+  per_axis<double> corner{};      ///< the box' upper corner; the lower one is 0
+  unsigned n = 30;                ///< packets count in 2^n grid units
+};
+
+/// The jobs of a frame for triangle cores. All in binary64 until origin and direction are rounded to binary32; directions are scaled so
+/// that their `norm` is 1. With `skip_misses` rays that miss the model's box are not sent.
+/// Errors: as the camera's constructor.
+std::vector<job_packet> triangle_jobs(const camera::params& p, const frame::params& f, const grid_mapping& grid, direction_norm norm,
+                                      bool skip_misses, unsigned threads = 1);
+
+}  // namespace rtusim
