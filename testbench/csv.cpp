@@ -65,7 +65,7 @@ std::int64_t csv_table::number(std::size_t row, std::size_t column, std::int64_t
 }
 
 void write_csv(const std::filesystem::path& file, const csv_table& given, const std::vector<std::string>& all,
-               const std::vector<std::string>& computed, const std::vector<std::vector<std::int64_t>>& values) {
+               const std::vector<std::string>& computed, const std::vector<std::vector<std::int64_t>>& values, bool raw) {
   std::vector<std::string> header = given.header();
   auto place = header.begin();
   for (const std::string& name : all) {
@@ -83,10 +83,12 @@ void write_csv(const std::filesystem::path& file, const csv_table& given, const 
   for (std::size_t row = 0; row < given.rows(); ++row) {
     for (std::size_t c = 0; c < source.size(); ++c) {
       if (c != 0) text += ',';
-      if (source[c] < computed.size())
-        text += std::to_string(values[row][source[c]]);
-      else
+      if (source[c] >= computed.size()) {
         text += given.field(row, source[c] - computed.size());
+        continue;
+      }
+      const std::int64_t value = values[row][source[c]];
+      text += raw ? std::to_string(static_cast<std::uint64_t>(value)) : std::to_string(value);
     }
     text += '\n';
     if (text.size() > 1 << 16) {

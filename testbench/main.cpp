@@ -111,7 +111,7 @@ int command_line(int argc, char** argv) {
 
   unit_request unit_asked;
   auto* const unit_app = app.add_subcommand("unit", "one unit alone on raw words");
-  unit_app->add_option("NAME", unit_asked.name, "svo_core or float_to_fixed")->required()->type_name("");
+  unit_app->add_option("NAME", unit_asked.name, "svo_core, float_to_fixed, t_div or triangle_unit")->required()->type_name("");
   unit_app->add_option("--jobs", unit_asked.files.jobs, "input columns, CSV")->required()->type_name("FILE");
   unit_app->add_option("--out", unit_asked.files.out, "the same columns with the outputs, CSV")->required()->type_name("FILE");
   unit_app->add_option("--model", unit_asked.files.model, "svo_core: the octree in its memory")->type_name("FILE");

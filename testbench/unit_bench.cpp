@@ -1,6 +1,8 @@
 #include "testbench/unit_bench.h"
 
+#include <algorithm>
 #include <cstdio>
+#include <iterator>
 #include <limits>
 #include <string>
 #include <vector>
@@ -10,9 +12,9 @@
 #include "modules/float_to_fixed/float_to_fixed.h"
 #include "modules/formats/svo_image.h"
 #include "modules/svo_core/svo_core.h"
-#include "modules/timing/clock_domain.h"
 #include "testbench/csv.h"
-#include "testbench/stream.h"
+#include "testbench/triangle_bench.h"
+#include "testbench/unit_harness.h"
 
 namespace rtusim {
 namespace {
@@ -20,36 +22,6 @@ namespace {
 constexpr std::int64_t least_word = std::numeric_limits<std::int64_t>::min();
 constexpr std::int64_t greatest_word = std::numeric_limits<std::int64_t>::max();
 constexpr std::int64_t greatest_uint32 = std::numeric_limits<std::uint32_t>::max();
-
-/// Notes in which cycle each transfer came, and what.
-template <class T>
-struct recorder {
-  std::vector<cycle> cycles;
-  std::vector<T> payloads;
-  void transferred(unsigned, cycle c, const T& payload) {
-    cycles.push_back(c);
-    payloads.push_back(payload);
-  }
-};
-
-/// A unit between a source and a sink, both without waits.
-template <class In, class Out>
-struct bench {
-  clock_domain clock{"clock_domain", 100};
-  stream_source<In> source;
-  stream_sink<Out> sink;
-  channel<In> in{"in"};
-  channel<Out> out{"out"};
-  recorder<In> entered;
-  recorder<Out> left;
-
-  explicit bench(const std::vector<In>& items) : source("source", {}, items), sink("sink", {}, items.size()) {
-    source.out(in);
-    sink.in(out);
-    in.observe(entered, 0);
-    out.observe(left, 0);
-  }
-};
 
 }  // namespace
 
@@ -137,18 +109,25 @@ void bench_unit(const unit_request& asked) {
   d.describe(parameters);
   if (!asked.architecture.empty()) parameters.read_toml(asked.architecture, design::sections());
   for (const std::string& a : asked.assignments) parameters.set(a);
+  d.has_triangle_units = asked.name == "t_div" || asked.name == "triangle_unit";
   parameters.check_read();
   config::check_writable(asked.files.out);
+  struct entry {
+    const char* name;
+    void (*bench)(const design&, const unit_files&);
+    bool reads_model;
+  };
+  const entry units[] = {{"svo_core", &bench_svo_core, true},
+                         {"float_to_fixed", &bench_float_to_fixed, false},
+                         {"t_div", &bench_t_div, false},
+                         {"triangle_unit", &bench_triangle_unit, false}};
+  const auto found = std::find_if(std::begin(units), std::end(units), [&](const entry& u) { return asked.name == u.name; });
+  if (found == std::end(units))
+    throw input_error("unit", "unknown unit \"" + asked.name + '"', "svo_core, float_to_fixed, t_div or triangle_unit");
   const bool model = !asked.files.model.empty();
-  if (asked.name == "svo_core") {
-    if (!model) throw input_error("unit svo_core", "no --model", "the octree in its memory");
-    bench_svo_core(d, asked.files);
-  } else if (asked.name == "float_to_fixed") {
-    if (model) throw input_error("unit float_to_fixed", "--model", "no model: it has no memory");
-    bench_float_to_fixed(d, asked.files);
-  } else {
-    throw input_error("unit", "unknown unit \"" + asked.name + '"', "svo_core or float_to_fixed");
-  }
+  if (found->reads_model && !model) throw input_error("unit " + asked.name, "no --model", "the octree in its memory");
+  if (!found->reads_model && model) throw input_error("unit " + asked.name, "--model", "no model: it has no memory");
+  found->bench(d, asked.files);
 }
 
 }  // namespace rtusim

@@ -3,6 +3,7 @@
 #include <cstdint>
 
 #include "modules/config/schema.h"
+#include "modules/formats/quantisation.h"
 #include "modules/job_manager/job_manager.h"
 #include "modules/memory/memory.h"
 #include "modules/numeric/fixed_point.h"
@@ -10,6 +11,8 @@
 #include "modules/result_manager/result_manager.h"
 #include "modules/scheduler/scheduler.h"
 #include "modules/svo_core/svo_params.h"
+#include "modules/t_div/t_div.h"
+#include "modules/triangle_unit/triangle_unit.h"
 
 namespace rtusim {
 
@@ -50,6 +53,11 @@ struct design {
   svo_core_params svo_core;
   result_manager::params result_manager_;
   memory::params memory_;
+  quantisation quantisation_;
+  t_div::params t_div_;
+  triangle_unit_params triangle_unit_;
+  /// Whether it has a unit that works on triangles, and so reads the three sections above.
+  bool has_triangle_units = false;
 
   /// Adds all sections; the design must then stay where it is.
   void describe(config::schema& s);
@@ -58,6 +66,7 @@ struct design {
 
   job_manager::params job_manager_params() const { return {fixed_point, float_to_fixed}; }
   svo_core_params svo_core_params_with_format() const;
+  triangle_unit_params triangle_unit_params_with_words() const;
 };
 
 }  // namespace rtusim

@@ -119,7 +119,7 @@ TEST_CASE("command line: a command that can't be read is refused", "[testbench]"
       {"an option given twice", small_run({"--log", "a", "--log", "b"}), "--log"},
       {"an empty name, as of a variable that is not set", small_run({"--log", ""}), "--log: an empty value"},
       {"a unit without files", {"unit", "svo_core"}, "--jobs is required"},
-      {"an unknown unit", {"unit", "svo_coar", "--jobs", "a.csv", "--out", "b.csv"}, "\"svo_coar\"; expected svo_core or float_to_fixed"},
+      {"an unknown unit", {"unit", "svo_coar", "--jobs", "a.csv", "--out", "b.csv"}, "\"svo_coar\"; expected svo_core, float_to_fixed, t_div or"},
       {"a unit without its model", {"unit", "svo_core", "--jobs", "a.csv", "--out", "b.csv"}, "no --model"},
       {"an unknown key", {"explain", "scheduler.polcy"}, "unknown key scheduler.polcy; expected scheduler.policy"},
       {"an unknown figure", {"explain", "statistics.ray"}, "expected statistics.rays"},
