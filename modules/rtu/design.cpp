@@ -18,21 +18,29 @@ void design::describe(config::schema& s) {
   s.add("driver", driver);
   s.add("fixed_point", fixed_point);
   s.add("float_to_fixed", float_to_fixed);
+  s.add("quantisation", quantisation_);
   s.add("scheduler", scheduler_);
   s.add("svo_core", svo_core);
+  s.add("bih_core", bih_core);
   s.add("result_manager", result_manager_);
   s.add("memory", memory_);
 }
 
 const std::set<std::string>& design::sections() {
-  static const std::set<std::string> names{"rtu",      "driver",         "fixed_point", "float_to_fixed", "scheduler",
-                                           "svo_core", "result_manager", "memory",      "errata"};
+  static const std::set<std::string> names{"rtu",      "driver",   "fixed_point",    "float_to_fixed", "quantisation", "scheduler",
+                                           "svo_core", "bih_core", "result_manager", "memory",         "errata"};
   return names;
 }
 
 svo_core_params design::svo_core_params_with_format() const {
   svo_core_params p = svo_core;
   p.format = fixed_point;
+  return p;
+}
+
+bih_core_params design::bih_core_params_with_widths() const {
+  bih_core_params p = bih_core;
+  p.widths = quantisation_;
   return p;
 }
 

@@ -2,7 +2,9 @@
 
 #include <cstdint>
 
+#include "modules/bih_core/bih_params.h"
 #include "modules/config/schema.h"
+#include "modules/formats/quantisation.h"
 #include "modules/job_manager/job_manager.h"
 #include "modules/memory/memory.h"
 #include "modules/numeric/fixed_point.h"
@@ -39,8 +41,10 @@ struct design {
   driver_params driver;
   numeric::fixed_format fixed_point;
   numeric::float_to_fixed_errata float_to_fixed;
+  quantisation quantisation_;
   scheduler::params scheduler_;
   svo_core_params svo_core;
+  bih_core_params bih_core;
   result_manager::params result_manager_;
   memory::params memory_;
 
@@ -51,6 +55,7 @@ struct design {
 
   job_manager::params job_manager_params() const { return {fixed_point, float_to_fixed}; }
   svo_core_params svo_core_params_with_format() const;
+  bih_core_params bih_core_params_with_widths() const;
 };
 
 }  // namespace rtusim
