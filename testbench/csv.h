@@ -35,5 +35,8 @@ class csv_table {
 /// the one before them in `all`; `values` replaces the columns named in `computed`, row by row.
 void write_csv(const std::filesystem::path& file, const csv_table& given, const std::vector<std::string>& all,
                const std::vector<std::string>& computed, const std::vector<std::vector<std::int64_t>>& values);
+/// The same with values as they are to stand there.
+void write_csv(const std::filesystem::path& file, const csv_table& given, const std::vector<std::string>& all,
+               const std::vector<std::string>& computed, const std::vector<std::vector<std::string>>& values);
 
 }  // namespace rtusim

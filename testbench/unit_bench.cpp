@@ -11,6 +11,7 @@
 #include "modules/formats/svo_image.h"
 #include "modules/svo_core/svo_core.h"
 #include "modules/timing/clock_domain.h"
+#include "testbench/bih_bench.h"
 #include "testbench/csv.h"
 #include "testbench/stream.h"
 
@@ -140,14 +141,20 @@ void bench_unit(const unit_request& asked) {
   parameters.check_read();
   config::check_writable(asked.files.out);
   const bool model = !asked.files.model.empty();
+  const bool memory_folder = !asked.files.memory.empty();
+  if (memory_folder && asked.name != "bih_core") throw input_error("unit " + asked.name, "--memory", "bih_core, whose memory it is");
   if (asked.name == "svo_core") {
     if (!model) throw input_error("unit svo_core", "no --model", "the octree in its memory");
     bench_svo_core(d, asked.files);
   } else if (asked.name == "float_to_fixed") {
     if (model) throw input_error("unit float_to_fixed", "--model", "no model: it has no memory");
     bench_float_to_fixed(d, asked.files);
+  } else if (asked.name == "bih_core") {
+    if (model) throw input_error("unit bih_core", "--model", "no octree: its hierarchy is in --memory");
+    if (!memory_folder) throw input_error("unit bih_core", "no --memory", "the folder of its memories");
+    bench_bih_core(d, asked.files.memory, asked.files.jobs, asked.files.out);
   } else {
-    throw input_error("unit", "unknown unit \"" + asked.name + '"', "svo_core or float_to_fixed");
+    throw input_error("unit", "unknown unit \"" + asked.name + '"', "svo_core, float_to_fixed or bih_core");
   }
 }
 
