@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cstdint>
+#include <iterator>
 
 #include "modules/config/error.h"
 #include "modules/config/files.h"
@@ -20,6 +21,41 @@ std::vector<std::string_view> split(std::string_view line) {
     if (comma == std::string_view::npos) return fields;
     begin = comma + 1;
   }
+}
+
+template <class Value>
+void write_table(const std::filesystem::path& file, const csv_table& given, const std::vector<std::string>& all,
+                 const std::vector<std::string>& computed, const std::vector<std::vector<Value>>& values) {
+  std::vector<std::string> header = given.header();
+  auto place = header.begin();
+  for (const std::string& name : all) {
+    const auto there = std::find(header.begin(), header.end(), name);
+    place = (there != header.end() ? there : header.insert(place, name)) + 1;
+  }
+  // Where each column comes from: the computed ones first, then the given ones.
+  std::vector<std::size_t> source;
+  for (const std::string& name : header) {
+    const auto of = std::find(computed.begin(), computed.end(), name);
+    source.push_back(of != computed.end() ? static_cast<std::size_t>(of - computed.begin()) : computed.size() + given.column(name));
+  }
+  std::string text = fmt::format("{}\n", fmt::join(header, ","));
+  config::output_file out(file);
+  for (std::size_t row = 0; row < given.rows(); ++row) {
+    for (std::size_t c = 0; c < source.size(); ++c) {
+      if (c != 0) text += ',';
+      if (source[c] < computed.size())
+        fmt::format_to(std::back_inserter(text), "{}", values[row][source[c]]);
+      else
+        text += given.field(row, source[c] - computed.size());
+    }
+    text += '\n';
+    if (text.size() > 1 << 16) {
+      out.write(text);
+      text.clear();
+    }
+  }
+  out.write(text);
+  out.commit();
 }
 
 }  // namespace
@@ -65,39 +101,13 @@ std::int64_t csv_table::number(std::size_t row, std::size_t column, std::int64_t
 }
 
 void write_csv(const std::filesystem::path& file, const csv_table& given, const std::vector<std::string>& all,
-               const std::vector<std::string>& computed, const std::vector<std::vector<std::int64_t>>& values, bool raw) {
-  std::vector<std::string> header = given.header();
-  auto place = header.begin();
-  for (const std::string& name : all) {
-    const auto there = std::find(header.begin(), header.end(), name);
-    place = (there != header.end() ? there : header.insert(place, name)) + 1;
-  }
-  // Where each column comes from: the computed ones first, then the given ones.
-  std::vector<std::size_t> source;
-  for (const std::string& name : header) {
-    const auto of = std::find(computed.begin(), computed.end(), name);
-    source.push_back(of != computed.end() ? static_cast<std::size_t>(of - computed.begin()) : computed.size() + given.column(name));
-  }
-  std::string text = fmt::format("{}\n", fmt::join(header, ","));
-  config::output_file out(file);
-  for (std::size_t row = 0; row < given.rows(); ++row) {
-    for (std::size_t c = 0; c < source.size(); ++c) {
-      if (c != 0) text += ',';
-      if (source[c] >= computed.size()) {
-        text += given.field(row, source[c] - computed.size());
-        continue;
-      }
-      const std::int64_t value = values[row][source[c]];
-      text += raw ? std::to_string(static_cast<std::uint64_t>(value)) : std::to_string(value);
-    }
-    text += '\n';
-    if (text.size() > 1 << 16) {
-      out.write(text);
-      text.clear();
-    }
-  }
-  out.write(text);
-  out.commit();
+               const std::vector<std::string>& computed, const std::vector<std::vector<std::int64_t>>& values) {
+  write_table(file, given, all, computed, values);
+}
+
+void write_csv(const std::filesystem::path& file, const csv_table& given, const std::vector<std::string>& all,
+               const std::vector<std::string>& computed, const std::vector<std::vector<std::string>>& values) {
+  write_table(file, given, all, computed, values);
 }
 
 }  // namespace rtusim

@@ -111,10 +111,11 @@ int command_line(int argc, char** argv) {
 
   unit_request unit_asked;
   auto* const unit_app = app.add_subcommand("unit", "one unit alone on raw words");
-  unit_app->add_option("NAME", unit_asked.name, "svo_core, float_to_fixed, t_div or triangle_unit")->required()->type_name("");
+  unit_app->add_option("NAME", unit_asked.name, "svo_core, float_to_fixed, t_div, triangle_unit or bih_core")->required()->type_name("");
   unit_app->add_option("--jobs", unit_asked.files.jobs, "input columns, CSV")->required()->type_name("FILE");
   unit_app->add_option("--out", unit_asked.files.out, "the same columns with the outputs, CSV")->required()->type_name("FILE");
   unit_app->add_option("--model", unit_asked.files.model, "svo_core: the octree in its memory")->type_name("FILE");
+  unit_app->add_option("--memory", unit_asked.files.memory, "bih_core: the folder of its memories")->type_name("DIR");
   unit_app->add_option("--arch", unit_asked.architecture, "the design, a TOML file")->type_name("FILE");
   unit_app->add_option("--set", unit_asked.assignments, "a parameter; see 'rtusim explain'")
       ->type_name("KEY=VALUE")

@@ -46,9 +46,7 @@ class word_reader {
   std::uint64_t cut_ = 0;
 };
 
-std::int64_t raw(std::uint64_t word) {
-  return static_cast<std::int64_t>(word);
-}
+std::string text(std::uint64_t word) { return std::to_string(word); }
 
 }  // namespace
 
@@ -62,7 +60,7 @@ void bench_t_div(const design& d, const unit_files& files) {
     divisions[row] = {words.is_signed(row, n, params.width), words.is_signed(row, divisor, params.width)};
   words.warn();
 
-  std::vector<std::vector<std::int64_t>> results;
+  std::vector<std::vector<std::string>> results;
   if (!divisions.empty()) {
     bench<division, quotient> b(divisions);
     t_div divider("t_div", params);
@@ -72,10 +70,10 @@ void bench_t_div(const design& d, const unit_files& files) {
     for (std::size_t row = 0; row < divisions.size(); ++row) {
       RTU_CHECK(b.left.cycles[row] - b.entered.cycles[row], ==, static_cast<cycle>(params.width));
       const quotient& q = b.left.payloads[row];
-      results.push_back({raw(q.word), q.err});
+      results.push_back({text(q.word), text(q.err)});
     }
   }
-  write_csv(files.out, table, {"n", "d", "q", "err"}, {"q", "err"}, results, true);
+  write_csv(files.out, table, {"n", "d", "q", "err"}, {"q", "err"}, results);
 }
 
 void bench_triangle_unit(const design& d, const unit_files& files) {
@@ -105,7 +103,7 @@ void bench_triangle_unit(const design& d, const unit_files& files) {
   }
   words.warn();
 
-  std::vector<std::vector<std::int64_t>> results;
+  std::vector<std::vector<std::string>> results;
   if (!requests.empty()) {
     bench<triangle_request, triangle_result> b(requests);
     triangle_unit unit("triangle_unit", params);
@@ -115,12 +113,12 @@ void bench_triangle_unit(const design& d, const unit_files& files) {
     for (std::size_t row = 0; row < requests.size(); ++row) {
       RTU_CHECK(b.left.cycles[row] - b.entered.cycles[row], ==, static_cast<cycle>(stages));
       const triangle_result& r = b.left.payloads[row];
-      results.push_back({r.rdy, r.hit, raw(r.u), raw(r.v), raw(r.t)});
+      results.push_back({text(r.rdy), text(r.hit), text(r.u), text(r.v), text(r.t)});
     }
   }
   std::vector<std::string> all = inputs;
   all.insert(all.end(), outputs.begin(), outputs.end());
-  write_csv(files.out, table, all, outputs, results, true);
+  write_csv(files.out, table, all, outputs, results);
 }
 
 }  // namespace rtusim

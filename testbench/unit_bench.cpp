@@ -12,6 +12,7 @@
 #include "modules/float_to_fixed/float_to_fixed.h"
 #include "modules/formats/svo_image.h"
 #include "modules/svo_core/svo_core.h"
+#include "testbench/bih_bench.h"
 #include "testbench/csv.h"
 #include "testbench/triangle_bench.h"
 #include "testbench/unit_harness.h"
@@ -109,24 +110,29 @@ void bench_unit(const unit_request& asked) {
   d.describe(parameters);
   if (!asked.architecture.empty()) parameters.read_toml(asked.architecture, design::sections());
   for (const std::string& a : asked.assignments) parameters.set(a);
-  d.has_triangle_units = asked.name == "t_div" || asked.name == "triangle_unit";
+  d.benched = asked.name;
   parameters.check_read();
   config::check_writable(asked.files.out);
   struct entry {
     const char* name;
     void (*bench)(const design&, const unit_files&);
     bool reads_model;
+    bool reads_memory;
   };
-  const entry units[] = {{"svo_core", &bench_svo_core, true},
-                         {"float_to_fixed", &bench_float_to_fixed, false},
-                         {"t_div", &bench_t_div, false},
-                         {"triangle_unit", &bench_triangle_unit, false}};
+  const entry units[] = {{"svo_core", &bench_svo_core, true, false},
+                         {"float_to_fixed", &bench_float_to_fixed, false, false},
+                         {"t_div", &bench_t_div, false, false},
+                         {"triangle_unit", &bench_triangle_unit, false, false},
+                         {"bih_core", &bench_bih_core, false, true}};
   const auto found = std::find_if(std::begin(units), std::end(units), [&](const entry& u) { return asked.name == u.name; });
   if (found == std::end(units))
-    throw input_error("unit", "unknown unit \"" + asked.name + '"', "svo_core, float_to_fixed, t_div or triangle_unit");
+    throw input_error("unit", "unknown unit \"" + asked.name + '"', "svo_core, float_to_fixed, t_div, triangle_unit or bih_core");
   const bool model = !asked.files.model.empty();
+  const bool memory_folder = !asked.files.memory.empty();
+  if (!found->reads_memory && memory_folder) throw input_error("unit " + asked.name, "--memory", "bih_core, whose memory it is");
   if (found->reads_model && !model) throw input_error("unit " + asked.name, "no --model", "the octree in its memory");
-  if (!found->reads_model && model) throw input_error("unit " + asked.name, "--model", "no model: it has no memory");
+  if (!found->reads_model && model) throw input_error("unit " + asked.name, "--model", "no octree: it has no model memory");
+  if (found->reads_memory && !memory_folder) throw input_error("unit " + asked.name, "no --memory", "the folder of its memories");
   found->bench(d, asked.files);
 }
 

@@ -13,6 +13,7 @@ struct unit_files {
   std::filesystem::path jobs;   ///< input columns, and notes, which are copied
   std::filesystem::path out;    ///< the same with the outputs
   std::filesystem::path model;  ///< svo_core's memory
+  std::filesystem::path memory; ///< bih_core's, a folder
 };
 
 /// Columns id, a, addr, t0x .. t1z; outputs hit, t_hit, normal_axis, cost, states, raw_t_hit, raw_normal_axis. One core, its result

@@ -1,26 +1,6 @@
 #include "modules/rtu/design.h"
 
-#include <functional>
-#include <string>
-#include <type_traits>
-
 namespace rtusim {
-namespace {
-
-/// A section that is read as a whole or not at all.
-template <class Params>
-struct read_when {
-  Params& params;
-  std::function<bool()> condition;
-  std::string words;
-
-  void describe(config::section& s) {
-    params.describe(s);
-    for (config::parameter& p : s.parameters()) p.when(condition, words);
-  }
-};
-
-}  // namespace
 
 void rtu_params::describe(config::section& s) {
   s.choice("core", core, core_words(), "kind of the traversal cores");
@@ -40,23 +20,29 @@ void design::describe(config::schema& s) {
   s.add("driver", driver);
   s.add("fixed_point", fixed_point);
   s.add("float_to_fixed", float_to_fixed);
+  s.add("quantisation", quantisation_);
   s.add("scheduler", scheduler_);
   s.add("svo_core", svo_core);
+  s.add("bih_core", bih_core);
+  s.add("t_div", t_div_);
+  s.add("triangle_unit", triangle_unit_);
   s.add("result_manager", result_manager_);
   s.add("memory", memory_);
-  const auto add_for_triangles = [&](const char* name, auto& params) {
-    read_when<std::remove_reference_t<decltype(params)>> section{params, [this] { return has_triangle_units; },
-                                                                 "a unit works on triangles"};
-    s.add(name, section);
-  };
-  add_for_triangles("quantisation", quantisation_);
-  add_for_triangles("t_div", t_div_);
-  add_for_triangles("triangle_unit", triangle_unit_);
+  s.read_when({"driver.last_sign_only", "fixed_point", "float_to_fixed", "svo_core", "memory"}, [this] { return !has_triangles(); },
+              "rtu.core = svo");
+  s.read_when({"driver.norm", "driver.skip_misses", "quantisation", "bih_core", "t_div", "triangle_unit"},
+              [this] { return has_triangles(); }, "rtu.core = bih");
+  s.read_when({"t_div.width"}, [this] { return benched == "t_div"; }, "the unit t_div is alone");
+}
+
+bool design::has_triangles() const {
+  if (benched.empty()) return rtu.core == rtu_params::core_kind::bih;
+  return benched == "t_div" || benched == "triangle_unit" || benched == "bih_core";
 }
 
 const std::set<std::string>& design::sections() {
-  static const std::set<std::string> names{"rtu",    "driver", "fixed_point",  "float_to_fixed", "scheduler", "svo_core", "result_manager",
-                                           "memory", "t_div",  "quantisation", "triangle_unit",  "errata"};
+  static const std::set<std::string> names{"rtu",      "driver",   "fixed_point", "float_to_fixed", "quantisation",   "scheduler",
+                                           "svo_core", "bih_core", "t_div",       "triangle_unit",  "result_manager", "memory", "errata"};
   return names;
 }
 
@@ -70,6 +56,12 @@ triangle_unit_params design::triangle_unit_params_with_words() const {
   triangle_unit_params p = triangle_unit_;
   p.words = quantisation_;
   p.divider = t_div_.kind;
+  return p;
+}
+
+bih_core_params design::bih_core_params_with_widths() const {
+  bih_core_params p = bih_core;
+  p.widths = quantisation_;
   return p;
 }
 

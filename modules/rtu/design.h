@@ -1,7 +1,9 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 
+#include "modules/bih_core/bih_params.h"
 #include "modules/config/schema.h"
 #include "modules/formats/quantisation.h"
 #include "modules/job_manager/job_manager.h"
@@ -18,8 +20,8 @@ namespace rtusim {
 
 /// Which units an RTU consists of.
 struct rtu_params {
-  enum class core_kind : std::uint8_t { svo };
-  static config::word_list core_words() { return {"svo"}; }
+  enum class core_kind : std::uint8_t { svo, bih };
+  static config::word_list core_words() { return {"svo", "bih"}; }
 
   core_kind core = core_kind::svo;
   unsigned cores = 16;
@@ -49,24 +51,28 @@ struct design {
   driver_params driver;
   numeric::fixed_format fixed_point;
   numeric::float_to_fixed_errata float_to_fixed;
+  quantisation quantisation_;
   scheduler_params scheduler_;
   svo_core_params svo_core;
-  result_manager::params result_manager_;
-  memory::params memory_;
-  quantisation quantisation_;
+  bih_core_params bih_core;
   t_div::params t_div_;
   triangle_unit_params triangle_unit_;
-  /// Whether it has a unit that works on triangles, and so reads the three sections above.
-  bool has_triangle_units = false;
+  result_manager::params result_manager_;
+  memory::params memory_;
+  /// The unit that is alone, of which only the parameters are read; empty: a whole RTU.
+  std::string benched;
 
   /// Adds all sections; the design must then stay where it is.
   void describe(config::schema& s);
   /// The names of these sections: what an architecture file may hold.
   static const std::set<std::string>& sections();
+  /// Whether its cores, or the unit that is alone, work on triangles.
+  bool has_triangles() const;
 
   job_manager::params job_manager_params() const { return {fixed_point, float_to_fixed}; }
   svo_core_params svo_core_params_with_format() const;
   triangle_unit_params triangle_unit_params_with_words() const;
+  bih_core_params bih_core_params_with_widths() const;
 };
 
 }  // namespace rtusim

@@ -119,8 +119,13 @@ TEST_CASE("command line: a command that can't be read is refused", "[testbench]"
       {"an option given twice", small_run({"--log", "a", "--log", "b"}), "--log"},
       {"an empty name, as of a variable that is not set", small_run({"--log", ""}), "--log: an empty value"},
       {"a unit without files", {"unit", "svo_core"}, "--jobs is required"},
-      {"an unknown unit", {"unit", "svo_coar", "--jobs", "a.csv", "--out", "b.csv"}, "\"svo_coar\"; expected svo_core, float_to_fixed, t_div or"},
+      {"an unknown unit", {"unit", "svo_coar", "--jobs", "a.csv", "--out", "b.csv"}, "\"svo_coar\"; expected svo_core, float_to_fixed, t_div,"},
       {"a unit without its model", {"unit", "svo_core", "--jobs", "a.csv", "--out", "b.csv"}, "no --model"},
+      {"a unit without its memories", {"unit", "bih_core", "--jobs", "a.csv", "--out", "b.csv"}, "unit bih_core: no --memory"},
+      {"a unit with another's memories", {"unit", "svo_core", "--jobs", "a.csv", "--out", "b.csv", "--memory", "m"},
+       "unit svo_core: --memory; expected bih_core"},
+      {"a unit with another's model", {"unit", "bih_core", "--jobs", "a.csv", "--out", "b.csv", "--model", dragon}, "unit bih_core: --model"},
+      {"memories that are not there", {"unit", "bih_core", "--jobs", "a.csv", "--out", "b.csv", "--memory", "none"}, "none: no such folder"},
       {"an unknown key", {"explain", "scheduler.polcy"}, "unknown key scheduler.polcy; expected scheduler.policy"},
       {"an unknown figure", {"explain", "statistics.ray"}, "expected statistics.rays"},
       {"no model", {"run"}, "run: no model; expected a scene file, --model FILE"},
@@ -325,6 +330,26 @@ TEST_CASE("command line: a run and the units give the golden files", "[testbench
   const std::string table = golden + "float_to_fixed.csv.gz";
   CHECK(rtusim(folder, {"unit", "float_to_fixed", "--arch", as_built, "--jobs", table, "--out", "out"}).status == 0);
   CHECK((contents(folder)["out"] == config::read_file(table)));
+}
+
+TEST_CASE("command line: the hierarchy's core gives the golden files", "[testbench]") {
+  const test::scratch_folder folder;
+  const std::string bih = RTUSIM_SOURCE_DIR "/testbench/golden/bih/";
+  struct row { const char* table; const char* scene; };
+  const row rows[] = {{"bih_tetra_k1_400", "tetra_k1"}, {"bih_cube_k2_400", "cube_k2"}, {"bih_cubepot_k4_400", "cubepot_k4"},
+                      {"frame_cubepot_k8_64x48_m1", "cubepot_k8"}};
+  for (const row& r : rows) {
+    const std::string table = bih + r.table + ".csv.gz";
+    const outcome o = rtusim(folder, {"unit", "bih_core", "--set", "errata.all=true", "--set", "bih_core.address_bits=10", "--memory",
+                                      bih + "scenes/" + r.scene, "--jobs", table, "--out", "out"});
+    CHECK(o.status == 0);
+    CHECK(o.err.empty());
+    CHECK((contents(folder)["out"] == config::read_file(table)));
+  }
+  const outcome o = rtusim(folder, {"unit", "bih_core", "--memory", bih + "scenes/tetra_k1", "--jobs", bih + "bih_tetra_k1_400.csv.gz",
+                                    "--out", "out"});
+  CHECK(o.status == 2);
+  CHECK_THAT(o.err, Catch::Contains("1024 lines; expected 65536, one for each of 16 address bits"));
 }
 
 TEST_CASE("command line: two runs give the same bytes, and so does one from the jobs that the first one kept", "[testbench]") {

@@ -1,0 +1,60 @@
+#include "modules/bih_core/bih_params.h"
+
+#include <algorithm>
+
+#include "modules/numeric/plane_distance.h"
+
+namespace rtusim {
+
+void bih_core_params::describe(config::section& s) {
+  s.number("address_bits", address_bits, {least_bih_address_bits, most_bih_address_bits}, "bits",
+           "addresses of the node memories; the last 32 hold the stack");
+  s.number("rays_in_flight", rays_in_flight, {1, 64}, "rays", "rays whose triangles may be in the intersector at a time");
+  s.flag("early_out", early_out, "nodes that begin behind a hit that is known by then are not visited");
+  s.erratum("exit_at_zero", exit_at_zero, "a ray that points down an axis from 0 leaves the box at -2^n", "it leaves at once");
+  s.erratum("box_never_misses", box_never_misses, "distances to the box wrap at n bits, so that each ray meets it",
+            "a ray that misses it takes one clock");
+  s.erratum("stack_wraps", stack_wraps, "the 32nd nested push empties the stack", "it is an error that names the ray");
+  s.erratum("empty_leaf_hangs", empty_leaf_hangs, "a leaf of 0 triangles takes 2^32 clocks", "it takes one, without a triangle");
+}
+
+bih_visits& bih_visits::operator+=(const bih_visits& v) {
+  aabb += v.aabb;
+  node += v.node;
+  inner += v.inner;
+  push += v.push;
+  pop += v.pop;
+  leaf += v.leaf;
+  return *this;
+}
+
+bih_interval box_interval(const quantised_ray& ray, const per_axis<std::int64_t>& corner, const bih_core_params& p) {
+  const std::int64_t grid = std::int64_t{1} << p.widths.n;
+  const unsigned c = p.widths.reciprocal_bits;
+  bih_interval inside{0, numeric::greatest_distance, false};
+  for (unsigned i = 0; i < 3; ++i) {
+    const std::int64_t position = ray.position[i] & (grid - 1), reciprocal = ray.reciprocal[i];
+    const std::int64_t up = corner[i] - position;
+    if (reciprocal >= 0) {
+      const std::int64_t exit = p.box_never_misses ? up & (grid - 1) : up;
+      inside.tmax = std::min(inside.tmax, numeric::plane_distance(exit, reciprocal, c));
+    } else {
+      const std::int64_t exit = p.exit_at_zero && position == 0 ? -grid : -position;
+      inside.tmax = std::min(inside.tmax, numeric::plane_distance(exit, reciprocal, c));
+      // The entry of a ray that starts inside of the slab is not ahead.
+      if (up < 0) inside.tmin = std::max(inside.tmin, numeric::plane_distance(up, reciprocal, c));
+    }
+  }
+  if (p.box_never_misses)
+    inside.tmin = 0;
+  else
+    inside.missed = inside.tmin > inside.tmax;
+  return inside;
+}
+
+simulation_error bih_stack_overflow(const std::string& core, std::uint64_t ray) {
+  return simulation_error(fmt::format("{}: ray {} pushes an entry on a stack that holds {}: the hierarchy needs fewer levels", core, ray,
+                                      most_bih_stack_entries));
+}
+
+}  // namespace rtusim

@@ -1,0 +1,59 @@
+#include "modules/bih_core/bih_walk.h"
+
+namespace rtusim {
+
+bih_walk::bih_walk(const bih_core_params& p, const bih_memory& memory)
+    : params_(p), corner_(memory.corner), address_mask_(memory.address_mask()) {
+  RTU_CHECK(memory.address_bits, ==, p.address_bits);
+  const quantisation& w = p.widths;
+  // Then differences shifted up by 63 - n and reciprocals by n + 1 - C fit 64 bits, and the upper half of their product is the distance.
+  narrow_ = w.n + w.m <= 62 && w.reciprocal_bits <= w.n + 1;
+  plane_shift_ = narrow_ ? 63 - w.n : 0;
+  reciprocal_shift_ = narrow_ ? w.n + 1 - w.reciprocal_bits : 0;
+
+  const auto t = std::make_shared<tables>();
+  t->nodes.resize(memory.stack_address());
+  t->lists.resize(memory.stack_address());
+  for (std::uint32_t i = 0; i < memory.stack_address(); ++i) {
+    node& to = t->nodes[i];
+    to.axis = node_axis(memory.words[0][i]);
+    to.pointer = static_cast<std::uint32_t>(node_pointer(memory.words[0][i]) & address_mask_);
+    to.triangles = leaf_triangles(memory.words[1][i]);
+    for (unsigned side = 0; side < 2; ++side) to.clip[side] = static_cast<std::int64_t>(memory.words[1 + side][i] << plane_shift_);
+    t->lists[i] = list_triangle(memory.words[3][i]);
+  }
+  tables_ = t;
+  for (std::uint32_t i = 0; i < bih_stack_words; ++i) {
+    bih_words words;
+    for (unsigned word = 0; word < 4; ++word) words[word] = memory.words[word][memory.stack_address() + i];
+    stack_[i] = unpack(words);
+  }
+}
+
+std::uint32_t bih_walk::list_word(std::uint32_t address) const {
+  const std::uint32_t first = address_mask_ + 1 - bih_stack_words;
+  return address < first ? tables_->lists[address] : list_triangle(pack(stack_[address - first])[3]);
+}
+
+void bih_walk::expect(std::uint64_t clock, std::int64_t distance) {
+  if (distance == no_hit || (!results_.empty() && results_.back().distance <= distance)) return;
+  results_.push_back({clock + params_.result_latency_cycles, distance});
+}
+
+bih_kept bih_walk::kept() const {
+  bih_kept k{tmin_, tmax_, dist0_, dist1_, address3x_, address1x_, {}};
+  for (std::uint32_t i = 0; i < bih_stack_words; ++i) k.stack[i] = pack(stack_[i]);
+  return k;
+}
+
+void bih_walk::inherit(const bih_kept& kept) {
+  tmin_ = kept.tmin;
+  tmax_ = kept.tmax;
+  dist0_ = kept.dist0;
+  dist1_ = kept.dist1;
+  address3x_ = kept.address3x;
+  address1x_ = kept.address1x;
+  for (std::uint32_t i = 0; i < bih_stack_words; ++i) stack_[i] = unpack(kept.stack[i]);
+}
+
+}  // namespace rtusim

@@ -1,0 +1,210 @@
+#pragma once
+
+#include <algorithm>
+#include <memory>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "modules/bih_core/bih_params.h"
+#include "modules/formats/bih_memory.h"
+#include "modules/numeric/fixed_point.h"
+#include "modules/numeric/plane_distance.h"
+
+namespace rtusim {
+
+/// Walks one ray after the other to its end at once: what `bih_machine` reaches clock by clock, and when it issues each triangle.
+///
+/// The words must have passed `check_bih` (`raw` at least, with the core's `empty_leaf_hangs`). Copies share them.
+class bih_walk {
+ public:
+  bih_walk(const bih_core_params& p, const bih_memory& memory);
+
+  /// `visit(triangle, clock)` is called for each triangle number with the clock in which it is issued; the ray's AABB is clock 0. It may
+  /// return the distance of the hit as a std::int64_t, or no_hit, for `early_out` to know when the result is there.
+  template <class Visit>
+  bih_outcome operator()(const quantised_ray& ray, Visit&& visit) {
+    if constexpr (std::is_same_v<std::invoke_result_t<Visit&, std::uint32_t, std::uint64_t>, std::int64_t>) {
+      if (params_.early_out) return narrow_ ? walk<true, true>(ray, visit) : walk<false, true>(ray, visit);
+    }
+    return narrow_ ? walk<true, false>(ray, visit) : walk<false, false>(ray, visit);
+  }
+
+  /// What the rays so far leave behind, for `bih_machine::inherit`.
+  bih_kept kept() const;
+  void inherit(const bih_kept& kept);
+
+ private:
+  /// A node's words, taken apart.
+  struct alignas(32) node {
+    std::int64_t clip[2];  // narrow: shifted up, so that their difference wraps by itself
+    std::uint32_t pointer;
+    std::uint32_t axis;
+    std::uint32_t triangles;
+  };
+  struct tables {
+    std::vector<node> nodes;
+    std::vector<std::uint32_t> lists;  // below the stack
+  };
+
+  template <bool Narrow, bool EarlyOut, class Visit>
+  bih_outcome walk(const quantised_ray& ray, Visit& visit);
+  std::uint32_t list_word(std::uint32_t address) const;
+  void expect(std::uint64_t clock, std::int64_t distance);
+
+  bih_core_params params_;
+  std::shared_ptr<const tables> tables_;
+  per_axis<std::int64_t> corner_;
+  std::uint32_t address_mask_;
+  bool narrow_;
+  unsigned plane_shift_;  // narrow: of planes and positions
+  unsigned reciprocal_shift_;
+  // Kept from ray to ray.
+  std::int64_t tmin_ = 0, tmax_ = 0, dist0_ = 0, dist1_ = 0;
+  std::uint32_t address3x_ = 0, address1x_ = 0;
+  std::array<bih_stack_entry, bih_stack_words> stack_;
+  // Results on their way, for early_out; those that are no nearer than one before are left out.
+  struct result { std::uint64_t known; std::int64_t distance; };
+  std::vector<result> results_;
+};
+
+template <bool Narrow, bool EarlyOut, class Visit>
+bih_outcome bih_walk::walk(const quantised_ray& ray, Visit& visit) {
+  bih_outcome o;
+  o.visits.aabb = 1;
+  const bih_interval inside = box_interval(ray, corner_, params_);
+  std::int64_t tmin = tmin_ = inside.tmin, tmax = tmax_ = inside.tmax;
+  address3x_ = address1x_ = 0;
+  if (inside.missed) return o;
+
+  const unsigned n = params_.widths.n;
+  std::int64_t position[3], reciprocal[3];
+  std::uint32_t down[3];
+  for (unsigned i = 0; i < 3; ++i) {
+    const std::uint64_t grid = (std::uint64_t{1} << n) - 1;
+    position[i] = static_cast<std::int64_t>((static_cast<std::uint64_t>(ray.position[i]) & grid) << plane_shift_);
+    reciprocal[i] = static_cast<std::int64_t>(static_cast<std::uint64_t>(ray.reciprocal[i]) << reciprocal_shift_);
+    down[i] = ray.reciprocal[i] < 0;
+  }
+  const auto distance_to = [&](std::int64_t plane, unsigned axis) {
+    if constexpr (Narrow) {
+      __extension__ using wide = __int128;
+      const auto difference = static_cast<std::int64_t>(static_cast<std::uint64_t>(plane) - static_cast<std::uint64_t>(position[axis]));
+      return static_cast<std::int64_t>(static_cast<wide>(difference) * reciprocal[axis] >> 64);
+    } else {
+      return numeric::plane_distance(numeric::wrap(plane - position[axis], n + 1), reciprocal[axis], params_.widths.reciprocal_bits);
+    }
+  };
+
+  const node* const nodes = tables_->nodes.data();
+  const std::uint32_t* const lists = tables_->lists.data();
+  const std::uint32_t mask = address_mask_;
+  const std::uint32_t list_end = mask + 1 - bih_stack_words;
+  std::int64_t dist0 = dist0_, dist1 = dist1_;
+  std::uint32_t at = 0;
+  std::uint32_t stack_pos = 0, max_stack = 0;
+  std::uint64_t clock = 1;
+  std::uint64_t pushes = 0, pops = 0, leaves = 0, leaf_clocks = 0;
+  std::uint64_t pushes_to_wrap = 0;  // how many there were when one emptied the stack
+  std::int64_t nearest = no_hit;
+  std::size_t known = 0;
+  if constexpr (EarlyOut) results_.clear();
+  // The nearest hit of which the result is there in clock c.
+  const auto nearest_at = [&](std::uint64_t c) {
+    for (; known < results_.size() && results_[known].known <= c; ++known) nearest = results_[known].distance;
+    return nearest;
+  };
+
+  for (;;) {
+    const node& words = nodes[at];
+    const std::uint32_t axis = words.axis;
+    if (axis != bih_leaf) {  // NODE and INNER
+      clock += 2;
+      const std::uint32_t is_down = down[axis];
+      dist0 = distance_to(words.clip[is_down], axis);
+      dist1 = distance_to(words.clip[is_down ^ 1], axis);
+      bool to_near = dist0 >= tmin, to_far = dist1 <= tmax;
+      if constexpr (EarlyOut) {
+        const std::int64_t limit = nearest_at(clock - 1);
+        to_near = to_near && tmin <= limit;
+        to_far = to_far && std::max(tmin, dist1) <= limit;
+      }
+      const std::uint32_t near_child = words.pointer + is_down, far_child = words.pointer + (is_down ^ 1);
+      if (to_near) {
+        if (to_far) {
+          stack_[stack_pos] = {far_child, std::max(tmin, dist1), tmax};
+          ++pushes;
+          ++clock;
+          if (stack_pos == most_bih_stack_entries) {
+            if (!params_.stack_wraps) {
+              o.overflow = true;
+              return o;
+            }
+            pushes_to_wrap = pushes;
+          }
+          stack_pos = (stack_pos + 1) % bih_stack_words;
+          max_stack = std::max(max_stack, stack_pos);
+        }
+        tmax = std::min(tmax, dist0);
+        at = near_child;
+        continue;
+      }
+      if (to_far) {
+        tmin = std::max(tmin, dist1);
+        at = far_child;
+        continue;
+      }
+      address1x_ = pushes == 0 ? 0 : list_end + (pushes == pushes_to_wrap ? most_bih_stack_entries : 0);
+    } else {  // NODE and LEAF
+      ++clock;
+      ++leaves;
+      const std::uint32_t first = words.pointer, count = words.triangles;
+      const auto issue = [&](std::uint32_t triangle) {
+        if constexpr (EarlyOut)
+          expect(clock, visit(triangle, clock));
+        else
+          visit(triangle, clock);
+        ++clock;
+        ++leaf_clocks;
+      };
+      if (first < list_end && count <= list_end - first) {
+        for (std::uint32_t i = 0; i < count; ++i) issue(lists[first + i]);
+      } else {
+        for (std::uint32_t i = 0; i < count; ++i) issue(list_word((first + i) & mask));
+      }
+      o.triangles += count;
+      if (count == 0) {
+        ++clock;
+        ++leaf_clocks;
+      }
+      address1x_ = (first + std::max(count, 1u) - 1) & mask;
+    }
+    address3x_ = at;
+    // POP, or the ray's end
+    bool found = false;
+    while (stack_pos != 0 && !found) {
+      --stack_pos;
+      ++clock;
+      ++pops;
+      tmin = stack_[stack_pos].tmin;
+      tmax = stack_[stack_pos].tmax;
+      at = stack_[stack_pos].far & mask;
+      found = !EarlyOut || tmin <= nearest_at(clock - 1);
+      if (!found) address3x_ = address1x_ = list_end + stack_pos;
+    }
+    if (!found) break;
+  }
+  tmin_ = tmin;
+  tmax_ = tmax;
+  dist0_ = dist0;
+  dist1_ = dist1;
+  o.max_stack = max_stack;
+  o.visits.push = pushes;
+  o.visits.pop = pops;
+  o.visits.leaf = leaf_clocks;
+  o.visits.inner = (clock - 1 - pushes - pops - leaves - leaf_clocks) / 2;
+  o.visits.node = o.visits.inner + leaves;
+  return o;
+}
+
+}  // namespace rtusim
