@@ -18,8 +18,12 @@ namespace rtusim {
 /// A memory registers its address, and shows what is written in the same clock. The stack's words are the core's own, the others the
 /// memory's, which must outlive the machine.
 ///
-/// A leaf of 0 triangles, where it does not hang, takes one clock in LEAF without a triangle: the count is compared there as built,
-/// against 1.
+/// A leaf of 0 triangles, where it does not hang, takes one clock in LEAF without a triangle: as built the count is a register by then,
+/// and compared there.
+///
+/// `early_out`, not in the original: a child in INNER or a stack entry in POP is dropped if its tmin lies beyond the nearest hit of
+/// which the result is there in that clock; POP then goes on to the next entry, and the ray ends when none is left. Distances of hits
+/// are in grid units along the ray, as tmin is.
 class bih_machine {
  public:
   /// All values as they are just before the coming edge.

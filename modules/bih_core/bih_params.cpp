@@ -1,9 +1,5 @@
 #include "modules/bih_core/bih_params.h"
 
-#include <algorithm>
-
-#include "modules/numeric/plane_distance.h"
-
 namespace rtusim {
 
 void bih_core_params::describe(config::section& s) {
@@ -29,27 +25,9 @@ bih_visits& bih_visits::operator+=(const bih_visits& v) {
 }
 
 bih_interval box_interval(const quantised_ray& ray, const per_axis<std::int64_t>& corner, const bih_core_params& p) {
-  const std::int64_t grid = std::int64_t{1} << p.widths.n;
-  const unsigned c = p.widths.reciprocal_bits;
-  bih_interval inside{0, numeric::greatest_distance, false};
-  for (unsigned i = 0; i < 3; ++i) {
-    const std::int64_t position = ray.position[i] & (grid - 1), reciprocal = ray.reciprocal[i];
-    const std::int64_t up = corner[i] - position;
-    if (reciprocal >= 0) {
-      const std::int64_t exit = p.box_never_misses ? up & (grid - 1) : up;
-      inside.tmax = std::min(inside.tmax, numeric::plane_distance(exit, reciprocal, c));
-    } else {
-      const std::int64_t exit = p.exit_at_zero && position == 0 ? -grid : -position;
-      inside.tmax = std::min(inside.tmax, numeric::plane_distance(exit, reciprocal, c));
-      // The entry of a ray that starts inside of the slab is not ahead.
-      if (up < 0) inside.tmin = std::max(inside.tmin, numeric::plane_distance(up, reciprocal, c));
-    }
-  }
-  if (p.box_never_misses)
-    inside.tmin = 0;
-  else
-    inside.missed = inside.tmin > inside.tmax;
-  return inside;
+  return box_interval(ray, corner, p, [&](std::int64_t difference, unsigned axis) {
+    return numeric::plane_distance(difference, ray.reciprocal[axis], p.widths.reciprocal_bits);
+  });
 }
 
 simulation_error bih_stack_overflow(const std::string& core, std::uint64_t ray) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <limits>
@@ -10,6 +11,7 @@
 #include "modules/config/section.h"
 #include "modules/formats/bih_word.h"
 #include "modules/formats/quantisation.h"
+#include "modules/numeric/plane_distance.h"
 
 namespace rtusim {
 
@@ -31,7 +33,7 @@ struct bih_core_params {
   bool empty_leaf_hangs = false;
   bool early_out = false;
   unsigned rays_in_flight = 16;
-  unsigned result_latency_cycles = bih_result_latency_cycles;  ///< of the intersector behind it
+  unsigned result_latency_cycles = bih_result_latency_cycles;  ///< for early_out: from a triangle number to its result
   quantisation widths;                                         ///< of the section `quantisation`
 
   void describe(config::section& s);
@@ -67,6 +69,26 @@ struct bih_interval {
   std::int64_t tmin = 0, tmax = 0;
   bool missed = false;
 };
+/// `distance(difference, axis)`: as numeric::plane_distance with the ray's reciprocal on that axis.
+template <class Distance>
+bih_interval box_interval(const quantised_ray& ray, const per_axis<std::int64_t>& corner, const bih_core_params& p,
+                          const Distance& distance) {
+  const std::int64_t grid = std::int64_t{1} << p.widths.n;
+  bih_interval inside{0, numeric::greatest_distance, false};
+  for (unsigned i = 0; i < 3; ++i) {
+    const std::int64_t position = ray.position[i] & (grid - 1);
+    const std::int64_t up = corner[i] - position;
+    if (ray.reciprocal[i] >= 0) {
+      inside.tmax = std::min(inside.tmax, distance(p.box_never_misses ? up & (grid - 1) : up, i));
+    } else {
+      inside.tmax = std::min(inside.tmax, distance(p.exit_at_zero && position == 0 ? -grid : -position, i));
+      // The entry of a ray that starts inside of the slab is not ahead.
+      if (up < 0 && !p.box_never_misses) inside.tmin = std::max(inside.tmin, distance(up, i));
+    }
+  }
+  inside.missed = !p.box_never_misses && inside.tmin > inside.tmax;
+  return inside;
+}
 bih_interval box_interval(const quantised_ray& ray, const per_axis<std::int64_t>& corner, const bih_core_params& p);
 
 /// The fault of a ray that pushes one entry more than the stack holds; `core`: the instance's name, `ray`: which of its rays.

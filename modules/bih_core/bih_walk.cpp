@@ -18,6 +18,7 @@ bih_walk::bih_walk(const bih_core_params& p, const bih_memory& memory)
     node& to = t->nodes[i];
     to.axis = node_axis(memory.words[0][i]);
     to.pointer = static_cast<std::uint32_t>(node_pointer(memory.words[0][i]) & address_mask_);
+    to.sibling = to.pointer ^ (to.pointer + 1);
     to.triangles = leaf_triangles(memory.words[1][i]);
     for (unsigned side = 0; side < 2; ++side) to.clip[side] = static_cast<std::int64_t>(memory.words[1 + side][i] << plane_shift_);
     t->lists[i] = list_triangle(memory.words[3][i]);

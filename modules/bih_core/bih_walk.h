@@ -39,6 +39,7 @@ class bih_walk {
   struct alignas(32) node {
     std::int64_t clip[2];  // narrow: shifted up, so that their difference wraps by itself
     std::uint32_t pointer;
+    std::uint32_t sibling;  // left ^ right
     std::uint32_t axis;
     std::uint32_t triangles;
   };
@@ -64,19 +65,15 @@ class bih_walk {
   std::uint32_t address3x_ = 0, address1x_ = 0;
   std::array<bih_stack_entry, bih_stack_words> stack_;
   // Results on their way, for early_out; those that are no nearer than one before are left out.
-  struct result { std::uint64_t known; std::int64_t distance; };
+  struct result {
+    std::uint64_t known;
+    std::int64_t distance;
+  };
   std::vector<result> results_;
 };
 
 template <bool Narrow, bool EarlyOut, class Visit>
 bih_outcome bih_walk::walk(const quantised_ray& ray, Visit& visit) {
-  bih_outcome o;
-  o.visits.aabb = 1;
-  const bih_interval inside = box_interval(ray, corner_, params_);
-  std::int64_t tmin = tmin_ = inside.tmin, tmax = tmax_ = inside.tmax;
-  address3x_ = address1x_ = 0;
-  if (inside.missed) return o;
-
   const unsigned n = params_.widths.n;
   std::int64_t position[3], reciprocal[3];
   std::uint32_t down[3];
@@ -86,26 +83,41 @@ bih_outcome bih_walk::walk(const quantised_ray& ray, Visit& visit) {
     reciprocal[i] = static_cast<std::int64_t>(static_cast<std::uint64_t>(ray.reciprocal[i]) << reciprocal_shift_);
     down[i] = ray.reciprocal[i] < 0;
   }
-  const auto distance_to = [&](std::int64_t plane, unsigned axis) {
+  const auto distance = [&](std::int64_t difference, unsigned axis) {
     if constexpr (Narrow) {
       __extension__ using wide = __int128;
-      const auto difference = static_cast<std::int64_t>(static_cast<std::uint64_t>(plane) - static_cast<std::uint64_t>(position[axis]));
       return static_cast<std::int64_t>(static_cast<wide>(difference) * reciprocal[axis] >> 64);
     } else {
-      return numeric::plane_distance(numeric::wrap(plane - position[axis], n + 1), reciprocal[axis], params_.widths.reciprocal_bits);
+      return numeric::plane_distance(difference, reciprocal[axis], params_.widths.reciprocal_bits);
     }
   };
+  const auto distance_to = [&](std::int64_t plane, unsigned axis) {
+    const auto difference = static_cast<std::int64_t>(static_cast<std::uint64_t>(plane) - static_cast<std::uint64_t>(position[axis]));
+    return distance(Narrow ? difference : numeric::wrap(difference, n + 1), axis);
+  };
+
+  bih_outcome o;
+  o.visits.aabb = 1;
+  const bih_interval inside = box_interval(ray, corner_, params_, [&](std::int64_t difference, unsigned axis) {
+    return distance(static_cast<std::int64_t>(static_cast<std::uint64_t>(difference) << plane_shift_), axis);
+  });
+  std::int64_t tmin = tmin_ = inside.tmin, tmax = tmax_ = inside.tmax;
+  address3x_ = address1x_ = 0;
+  if (inside.missed) return o;
 
   const node* const nodes = tables_->nodes.data();
   const std::uint32_t* const lists = tables_->lists.data();
   const std::uint32_t mask = address_mask_;
   const std::uint32_t list_end = mask + 1 - bih_stack_words;
+  bih_stack_entry* const bottom = stack_.data();
+  bih_stack_entry* top = bottom;  // the entry that a push writes
+  bih_stack_entry* highest = bottom;
   std::int64_t dist0 = dist0_, dist1 = dist1_;
   std::uint32_t at = 0;
-  std::uint32_t stack_pos = 0, max_stack = 0;
   std::uint64_t clock = 1;
-  std::uint64_t pushes = 0, pops = 0, leaves = 0, leaf_clocks = 0;
-  std::uint64_t pushes_to_wrap = 0;  // how many there were when one emptied the stack
+  std::uint64_t pushes = 0, leaves = 0, empty_leaves = 0;
+  std::uint64_t lost = 0;            // pushed, and never popped, as a push emptied the stack
+  std::uint64_t pushes_to_wrap = 0;  // how many pushes there were then
   std::int64_t nearest = no_hit;
   std::size_t known = 0;
   if constexpr (EarlyOut) results_.clear();
@@ -129,21 +141,24 @@ bih_outcome bih_walk::walk(const quantised_ray& ray, Visit& visit) {
         to_near = to_near && tmin <= limit;
         to_far = to_far && std::max(tmin, dist1) <= limit;
       }
-      const std::uint32_t near_child = words.pointer + is_down, far_child = words.pointer + (is_down ^ 1);
+      const std::uint32_t near_child = words.pointer + is_down;
       if (to_near) {
         if (to_far) {
-          stack_[stack_pos] = {far_child, std::max(tmin, dist1), tmax};
           ++pushes;
           ++clock;
-          if (stack_pos == most_bih_stack_entries) {
+          top->far = near_child ^ words.sibling;
+          top->tmin = std::max(tmin, dist1);
+          top->tmax = tmax;
+          if (top++ == bottom + most_bih_stack_entries) {
             if (!params_.stack_wraps) {
               o.overflow = true;
               return o;
             }
+            top = bottom;
+            lost += bih_stack_words;
             pushes_to_wrap = pushes;
           }
-          stack_pos = (stack_pos + 1) % bih_stack_words;
-          max_stack = std::max(max_stack, stack_pos);
+          highest = std::max(highest, top);
         }
         tmax = std::min(tmax, dist0);
         at = near_child;
@@ -151,58 +166,64 @@ bih_outcome bih_walk::walk(const quantised_ray& ray, Visit& visit) {
       }
       if (to_far) {
         tmin = std::max(tmin, dist1);
-        at = far_child;
+        at = near_child ^ words.sibling;
         continue;
       }
-      address1x_ = pushes == 0 ? 0 : list_end + (pushes == pushes_to_wrap ? most_bih_stack_entries : 0);
     } else {  // NODE and LEAF
       ++clock;
       ++leaves;
       const std::uint32_t first = words.pointer, count = words.triangles;
-      const auto issue = [&](std::uint32_t triangle) {
+      const auto issue = [&](std::uint32_t triangle, std::uint64_t when) {
         if constexpr (EarlyOut)
-          expect(clock, visit(triangle, clock));
+          expect(when, visit(triangle, when));
         else
-          visit(triangle, clock);
-        ++clock;
-        ++leaf_clocks;
+          visit(triangle, when);
       };
       if (first < list_end && count <= list_end - first) {
-        for (std::uint32_t i = 0; i < count; ++i) issue(lists[first + i]);
+        const std::uint32_t* const list = lists + first;
+        for (std::uint32_t i = 0; i < count; ++i) issue(list[i], clock + i);
       } else {
-        for (std::uint32_t i = 0; i < count; ++i) issue(list_word((first + i) & mask));
+        for (std::uint32_t i = 0; i < count; ++i) issue(list_word((first + i) & mask), clock + i);
       }
       o.triangles += count;
+      clock += count;
       if (count == 0) {
         ++clock;
-        ++leaf_clocks;
+        ++empty_leaves;
       }
-      address1x_ = (first + std::max(count, 1u) - 1) & mask;
     }
-    address3x_ = at;
-    // POP, or the ray's end
-    bool found = false;
-    while (stack_pos != 0 && !found) {
-      --stack_pos;
+    if (top == bottom) {  // the ray's end
+      address3x_ = at;
+      if (axis == bih_leaf)
+        address1x_ = (words.pointer + std::max(words.triangles, 1u) - 1) & mask;
+      else
+        address1x_ = pushes == 0 ? 0 : list_end + (pushes == pushes_to_wrap ? most_bih_stack_entries : 0);
+      break;
+    }
+    // POP
+    bool visited = true;
+    do {
+      --top;
       ++clock;
-      ++pops;
-      tmin = stack_[stack_pos].tmin;
-      tmax = stack_[stack_pos].tmax;
-      at = stack_[stack_pos].far & mask;
-      found = !EarlyOut || tmin <= nearest_at(clock - 1);
-      if (!found) address3x_ = address1x_ = list_end + stack_pos;
+      tmin = top->tmin;
+      tmax = top->tmax;
+      if constexpr (EarlyOut) visited = tmin <= nearest_at(clock - 1);
+    } while (!visited && top != bottom);
+    if (!visited) {
+      address3x_ = address1x_ = list_end;
+      break;
     }
-    if (!found) break;
+    at = top->far & mask;
   }
   tmin_ = tmin;
   tmax_ = tmax;
   dist0_ = dist0;
   dist1_ = dist1;
-  o.max_stack = max_stack;
+  o.max_stack = static_cast<std::uint32_t>(highest - bottom);
   o.visits.push = pushes;
-  o.visits.pop = pops;
-  o.visits.leaf = leaf_clocks;
-  o.visits.inner = (clock - 1 - pushes - pops - leaves - leaf_clocks) / 2;
+  o.visits.pop = pushes - lost;
+  o.visits.leaf = o.triangles + empty_leaves;
+  o.visits.inner = (clock - 1 - pushes - o.visits.pop - leaves - o.visits.leaf) / 2;
   o.visits.node = o.visits.inner + leaves;
   return o;
 }

@@ -2,6 +2,7 @@
 
 #include <catch2/catch.hpp>
 
+#include <map>
 #include <string>
 #include <utility>
 #include <vector>
@@ -90,7 +91,7 @@ TEST_CASE("bih_machine: the traces clock by clock, signal for signal", "[bih_cor
     const csv_table trace(golden + "trace_" + scene + "_400.csv.gz");
     REQUIRE(trace.rows() > 400);
     bih_machine machine(test::bih_as_built(), memory);
-      for (std::size_t row = 0; row < trace.rows(); ++row) {
+    for (std::size_t row = 0; row < trace.rows(); ++row) {
       const auto number = [&](const char* name) { return trace.number(row, trace.column(name), -any_word, any_word); };
       CAPTURE(scene, row);
       if (!machine.busy()) machine.start(ray_of(rays, static_cast<std::size_t>(number("ray"))));
@@ -112,7 +113,7 @@ TEST_CASE("bih_machine: the traces clock by clock, signal for signal", "[bih_cor
       const std::uint32_t stack = memory.stack_address();
       // Elsewhere addr1x is what a latch left.
       const bool told = r.state == bih_state::aabb || at_leaf || (r.state == bih_state::leaf && !s.done) ||
-              (r.state == bih_state::inner && s.addr3x >= stack);
+                        (r.state == bih_state::inner && s.addr3x >= stack);
       if (told) REQUIRE(s.addr1x == number("addr1x"));
       machine.step();
     }
@@ -164,6 +165,41 @@ TEST_CASE("bih_walk: a frame's triangles in the clocks of the whole design", "[b
     before += o.cycles();
   }
   CHECK(line == top.rows());
+}
+
+TEST_CASE("bih_core: early_out keeps a frame's nearest hits, in fewer clocks", "[bih_core]") {
+  const bih_memory memory = read_bih(golden + "scenes/cubepot_k8", 10);
+  const csv_table rays(golden + "frame_cubepot_k8_64x48_m1.csv.gz");
+  const csv_table top(golden + "top_cubepot_k8_64x48_m1.csv.gz");
+  const auto number = top.column("tri"), hit = top.column("hit"), t = top.column("t");
+  bih_core_params p = test::bih_as_built();
+  p.early_out = true;
+  bih_walk walk(p, memory);
+  std::size_t first = 0, hits = 0;
+  std::uint64_t clocks = 0;
+  for (std::size_t row = 0; row < rays.rows(); ++row) {
+    // What became of the ray's triangles as built; t leaves without its last bit.
+    std::map<std::uint32_t, std::int64_t> distances;
+    const auto count = static_cast<std::size_t>(rays.number(row, rays.column("ntris"), 0, any_word));
+    std::int64_t nearest = no_hit, found = no_hit;
+    for (std::size_t line = first; line < first + count; ++line) {
+      const std::int64_t distance = top.number(line, hit, 0, 1) != 0 ? 2 * top.number(line, t, 0, any_word) : no_hit;
+      distances[static_cast<std::uint32_t>(top.number(line, number, 0, any_word))] = distance;
+      nearest = std::min(nearest, distance);
+    }
+    first += count;
+    const bih_outcome o = walk(ray_of(rays, row), [&](std::uint32_t triangle, std::uint64_t) -> std::int64_t {
+      found = std::min(found, distances.at(triangle));
+      return distances.at(triangle);
+    });
+    CAPTURE(row);
+    REQUIRE(found == nearest);
+    REQUIRE(o.cycles() <= static_cast<std::uint64_t>(rays.number(row, rays.column("clocks"), 0, any_word)));
+    hits += nearest != no_hit;
+    clocks += o.cycles();
+  }
+  CHECK(hits == 570);
+  CHECK(clocks == 96'305);  // of 120,918
 }
 
 TEST_CASE("bih_machine: the walk at once comes to the same as the states one by one", "[bih_core]") {
