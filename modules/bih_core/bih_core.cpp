@@ -38,10 +38,16 @@ void bih_core::accept(const triangle_job& job) {
   walk_.rest(now() - std::min(now(), free_from_));
   flight& f = flights_[(oldest_ + in_flight_) % flights_.size()];
   traversal_result& r = f.result = {};
-  const std::int64_t distance_unit = intersector_port->distance_unit();
+  const intersector_interface& intersector = *intersector_port.operator->();
+  const std::int64_t distance_unit = intersector.distance_unit();
   std::uint64_t nearest = 0;
-  outcome_ = walk_(job.ray, job.misses_box, [&](std::uint32_t triangle, std::uint64_t) {
-    const triangle_outcome o = intersector_port->intersect(job.ray, triangle);
+  outcome_ = walk_(job.ray, [&](std::uint32_t triangle, std::uint64_t) {
+    const triangle_outcome o = intersector.intersect(job.ray, triangle);
+    triangle_unit::stats& pairs = sums_.triangles;
+    ++pairs.pairs;
+    pairs.hits += o.hit;
+    pairs.errors += o.err;
+    pairs.wrapped += o.wrapped;
     if (!o.hit) return no_hit;
     if (!r.hit || o.t < nearest) {
       nearest = o.t;
@@ -65,7 +71,6 @@ void bih_core::accept(const triangle_job& job) {
   ++sums_.jobs;
   sums_.hits += r.hit;
   sums_.cost += r.cost;
-  sums_.triangles += outcome_.triangles;
   sums_.missed_box += outcome_.visits.cycles() == 1;
   sums_.deepest_stack = std::max<std::uint64_t>(sums_.deepest_stack, outcome_.max_stack);
   sums_.visits += outcome_.visits;
@@ -89,18 +94,101 @@ void bih_core::edge() {
   }
 }
 
+void bih_core::step_machine() {
+  if (params_.early_out && machine_.signals().tri_en) {
+    const triangle_outcome o = intersector_port->intersect(ray_, machine_.signals().tri_num);
+    machine_.result(o.hit ? static_cast<std::int64_t>(o.t) * intersector_port->distance_unit() : no_hit);
+  }
+  machine_.step();
+}
+
 void bih_core::settle_registers() {
+  // next_edge() still counts the edge being done when the domain settles behind it.
   const cycle target = domain().next_edge();
   if (accepted_ != never && machine_edge_ <= accepted_) {
-    // The machine stands between rays, here or before rays that it never stepped through.
-    if (machine_edge_ < accepted_) machine_.rest();
+    // Either the machine stands where the last job left it, or it never stepped through that job.
+    machine_ = bih_machine(params_, memory_);
     machine_.inherit(before_);
     machine_.start(ray_);
     machine_edge_ = accepted_ + 1;
   }
-  for (; machine_edge_ < std::min(target, free_from_ + 1); ++machine_edge_) step_machine();
+  // Without a ray nothing moves but the address registers, which go to the root, and what is left of a division.
+  const cycle moves_until = free_from_ + 1 + params_.triangle_interval_cycles;
+  for (; machine_edge_ < target && machine_edge_ <= moves_until; ++machine_edge_) step_machine();
   machine_edge_ = target;
   shown_triangle_ = machine_.signals().tri_en ? machine_.signals().tri_num : 0;
+}
+
+bool bih_core::level(const channel_base& port) const {
+  if (&port == job_in.operator->()) return (!machine_.busy() || machine_.signals().done) && in_flight_ < flights_.size();
+  return in_flight_ != 0 && next_edge() >= oldest().available;
+}
+
+bih_core::stats bih_core::statistics() {
+  stats s = sums_;
+  const cycle next = domain().next_edge();
+  if (accepted_ != never && next <= free_from_) {
+    settle_registers();
+    s.visits -= outcome_.visits;
+    s.visits += machine_.outcome().visits;
+    s.cost = s.visits.cycles();
+  }
+  s.idle_cycles = next - s.cost;
+  return s;
+}
+
+void bih_core::trace(waveform& w) const {
+  const std::string n = name();
+  const auto& r = machine_.now();
+  w.add(r.state, n + ".state", 3);
+  w.add(job_word_, n + ".job_word");
+  w.add(machine_.signals().done, n + ".done");
+  w.add(machine_.signals().tri_en, n + ".tri_en");
+  w.add(shown_triangle_, n + ".tri_num", 29);
+  w.add(r.stack_pos, n + ".stack_pos", 5);
+  w.add(r.address3x, n + ".mem_addr", memory_.address_bits);
+  w.add(machine_.signals().we, n + ".we");
+  w.add(r.tmin, n + ".tmin", 63);
+  w.add(r.tmax, n + ".tmax", 63);
+  w.add(r.dist0, n + ".dist0", 63);
+  w.add(r.dist1, n + ".dist1", 63);
+  w.add(in_flight_, n + ".rays_in_flight", 7);
+  w.add(sums_.jobs, n + ".jobs");
+  w.add(sums_.hits, n + ".hits");
+}
+
+bih_core::stats& bih_core::stats::operator+=(const stats& other) {
+  jobs += other.jobs;
+  hits += other.hits;
+  cost += other.cost;
+  missed_box += other.missed_box;
+  triangles += other.triangles;
+  deepest_stack = std::max(deepest_stack, other.deepest_stack);
+  idle_cycles += other.idle_cycles;
+  visits += other.visits;
+  return *this;
+}
+
+void bih_core::stats::describe(config::report& r) const {
+  const auto share = [](std::uint64_t part, std::uint64_t whole) {
+    return whole == 0 ? 0.0 : static_cast<double>(part) / static_cast<double>(whole);
+  };
+  r.number("jobs", jobs, "jobs", "rays accepted");
+  r.number("hits", hits, "jobs", "rays that hit a triangle");
+  r.number("cost", cost, "cycles", "clocks of all traversals");
+  r.number("missed_box", missed_box, "jobs", "rays that end in AABB");
+  r.number("deepest_stack", deepest_stack, "entries", "most entries that a ray had on the stack");
+  r.number("fill", share(triangles.pairs, cost), "", "triangles issued by clocks of traversals: how full the intersector's pipeline was");
+  r.group("triangles", [this](config::report& g) { triangles.describe(g); });
+  r.group("cycles", [this](config::report& g) {
+    g.number("idle", idle_cycles, "cycles", "without a ray");
+    g.number("aabb", visits.aabb, "cycles", "in AABB: where the ray leaves the scene's box");
+    g.number("node", visits.node, "cycles", "in NODE: reading a node");
+    g.number("inner", visits.inner, "cycles", "in INNER: which children the ray meets");
+    g.number("push", visits.push, "cycles", "in PUSH: the near child, with the far one on the stack");
+    g.number("pop", visits.pop, "cycles", "in POP: back to a far child");
+    g.number("leaf", visits.leaf, "cycles", "in LEAF: a triangle a clock, or waiting for an iterative divider");
+  });
 }
 
 }  // namespace rtusim

@@ -30,8 +30,8 @@ class bih_core final : public unit {
     std::uint64_t jobs = 0;
     std::uint64_t hits = 0;
     std::uint64_t cost = 0;
-    std::uint64_t triangles = 0;
     std::uint64_t missed_box = 0;
+    triangle_unit::stats triangles;
     std::uint64_t deepest_stack = 0;
     std::uint64_t idle_cycles = 0;
     bih_visits visits;
@@ -64,6 +64,8 @@ class bih_core final : public unit {
   void trace(waveform& w) const override;
   void accept(const triangle_job& job);
   flight& oldest() { return flights_[oldest_]; }
+  const flight& oldest() const { return flights_[oldest_]; }
+  void step_machine();
 
   params params_;
   const bih_memory& memory_;
@@ -82,10 +84,10 @@ class bih_core final : public unit {
   // The state machine follows the outcome when somebody watches.
   bih_machine machine_;
   quantised_ray ray_;
-  bih_registers_kept before_;    // what the job before left
+  bih_kept_registers before_;    // what the job before left
   cycle machine_edge_ = 0;       // the machine's registers stand just before this edge
   std::uint32_t job_word_ = 0;
-  std::uint32_t shown_triangle_ = 0;
+  std::uint32_t shown_triangle_ = 0;  // the number that is issued, else 0
 };
 
 }  // namespace rtusim

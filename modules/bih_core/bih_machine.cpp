@@ -79,6 +79,7 @@ void bih_machine::step() {
     if (out_.we) stack_[now_.stack_pos] = pushed_;
     busy_ = !out_.done;
   }
+  divider_clocks_ = out_.tri_en ? params_.triangle_interval_cycles - 1 : divider_clocks_ - std::min<std::uint64_t>(divider_clocks_, 1);
   next_.address3x = out_.addr3x;
   next_.address1x = out_.addr1x;
   now_ = next_;
@@ -191,7 +192,9 @@ void bih_machine::settle_pop() {
 }
 
 void bih_machine::settle_leaf() {
-  out_.tri_en = now_.triangles_left != 0 || params_.empty_leaf_hangs;
+  const bool empty = now_.triangles_left == 0 && !params_.empty_leaf_hangs;
+  if (!empty && divider_clocks_ != 0) return;
+  out_.tri_en = !empty;
   next_.triangles_left = now_.triangles_left - 1;
   if (now_.triangles_left == 1 || !out_.tri_en) {
     go_back();
@@ -214,6 +217,11 @@ void bih_machine::go_back() {
 }
 
 void bih_machine::inherit(const bih_kept& kept) {
+  stack_ = kept.stack;
+  inherit(static_cast<const bih_kept_registers&>(kept));
+}
+
+void bih_machine::inherit(const bih_kept_registers& kept) {
   RTU_CHECK(static_cast<int>(now_.state), ==, static_cast<int>(bih_state::aabb));
   now_.tmin = kept.tmin;
   now_.tmax = kept.tmax;
@@ -221,12 +229,12 @@ void bih_machine::inherit(const bih_kept& kept) {
   now_.dist1 = kept.dist1;
   now_.address3x = kept.address3x;
   now_.address1x = kept.address1x;
-  stack_ = kept.stack;
+  divider_clocks_ = kept.divider_clocks;
   settle();
 }
 
 bih_kept bih_machine::kept() const {
-  return {now_.tmin, now_.tmax, now_.dist0, now_.dist1, now_.address3x, now_.address1x, stack_};
+  return {{now_.tmin, now_.tmax, now_.dist0, now_.dist1, now_.address3x, now_.address1x, divider_clocks_}, stack_};
 }
 
 }  // namespace rtusim

@@ -61,6 +61,8 @@ class bih_machine {
   const bih_outcome& outcome() const { return outcome_; }
   /// What the rays before leave behind, for a machine that did not step through them; between rays.
   void inherit(const bih_kept& kept);
+  /// The same where no ray reads words of the stack that it did not write: no node lies there, and no push empties the stack.
+  void inherit(const bih_kept_registers& kept);
   bih_kept kept() const;
 
  private:
@@ -82,6 +84,7 @@ class bih_machine {
   bool busy_ = false;
   registers now_, next_;
   outputs out_;
+  std::uint64_t divider_clocks_ = 0;  // for which the divider is not yet free
   bih_words pushed_{};
   bih_outcome outcome_;
   // For early_out.

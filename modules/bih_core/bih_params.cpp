@@ -14,6 +14,16 @@ void bih_core_params::describe(config::section& s) {
   s.erratum("empty_leaf_hangs", empty_leaf_hangs, "a leaf of 0 triangles takes 2^32 clocks", "it takes one, without a triangle");
 }
 
+bih_visits& bih_visits::operator-=(const bih_visits& v) {
+  aabb -= v.aabb;
+  node -= v.node;
+  inner -= v.inner;
+  push -= v.push;
+  pop -= v.pop;
+  leaf -= v.leaf;
+  return *this;
+}
+
 bih_visits& bih_visits::operator+=(const bih_visits& v) {
   aabb += v.aabb;
   node += v.node;

@@ -34,7 +34,8 @@ struct bih_core_params {
   bool early_out = false;
   unsigned rays_in_flight = 16;
   unsigned result_latency_cycles = bih_result_latency_cycles;  ///< for early_out: from a triangle number to its result
-  quantisation widths;                                         ///< of the section `quantisation`
+  unsigned triangle_interval_cycles = 1;  ///< clocks from one triangle to the next at least: the bits of an iterative divider, else 1
+  quantisation widths;                    ///< of the section `quantisation`
 
   void describe(config::section& s);
 };
@@ -45,6 +46,7 @@ struct bih_visits {
 
   std::uint64_t cycles() const { return aabb + node + inner + push + pop + leaf; }
   bih_visits& operator+=(const bih_visits& v);
+  bih_visits& operator-=(const bih_visits& v);
 };
 
 /// What a ray's traversal comes to.
@@ -57,10 +59,15 @@ struct bih_outcome {
   std::uint64_t cycles() const { return visits.cycles(); }
 };
 
-/// What a core keeps from ray to ray.
-struct bih_kept {
+/// Registers that a core keeps from ray to ray.
+struct bih_kept_registers {
   std::int64_t tmin = 0, tmax = 0, dist0 = 0, dist1 = 0;
-  std::uint32_t address3x = 0, address1x = 0;      ///< registers of the memories
+  std::uint32_t address3x = 0, address1x = 0;  ///< registers of the memories
+  std::uint64_t divider_clocks = 0;            ///< for which the divider is not yet free
+};
+
+/// All that a core keeps from ray to ray.
+struct bih_kept : bih_kept_registers {
   std::array<bih_words, bih_stack_words> stack{};  ///< the core's own words at the stack's addresses
 };
 
@@ -86,7 +93,7 @@ bih_interval box_interval(const quantised_ray& ray, const per_axis<std::int64_t>
       if (up < 0 && !p.box_never_misses) inside.tmin = std::max(inside.tmin, distance(up, i));
     }
   }
-  inside.missed = !p.box_never_misses && inside.tmin > inside.tmax;
+  inside.missed = !p.box_never_misses && (ray.misses_box || inside.tmin > inside.tmax);
   return inside;
 }
 bih_interval box_interval(const quantised_ray& ray, const per_axis<std::int64_t>& corner, const bih_core_params& p);

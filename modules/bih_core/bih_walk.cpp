@@ -42,7 +42,7 @@ void bih_walk::expect(std::uint64_t clock, std::int64_t distance) {
 }
 
 bih_kept bih_walk::kept() const {
-  bih_kept k{tmin_, tmax_, dist0_, dist1_, address3x_, address1x_, {}};
+  bih_kept k{registers(), {}};
   for (std::uint32_t i = 0; i < bih_stack_words; ++i) k.stack[i] = pack(stack_[i]);
   return k;
 }
@@ -54,6 +54,7 @@ void bih_walk::inherit(const bih_kept& kept) {
   dist1_ = kept.dist1;
   address3x_ = kept.address3x;
   address1x_ = kept.address1x;
+  divider_clocks_ = kept.divider_clocks;
   for (std::uint32_t i = 0; i < bih_stack_words; ++i) stack_[i] = unpack(kept.stack[i]);
 }
 

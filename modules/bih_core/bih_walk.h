@@ -30,8 +30,15 @@ class bih_walk {
     return narrow_ ? walk<true, false>(ray, visit) : walk<false, false>(ray, visit);
   }
 
+  /// `n` clocks pass without a ray.
+  void rest(std::uint64_t n) {
+    if (n != 0) address3x_ = address1x_ = 0;
+    divider_clocks_ -= std::min(divider_clocks_, n);
+  }
+
   /// What the rays so far leave behind, for `bih_machine::inherit`.
   bih_kept kept() const;
+  bih_kept_registers registers() const { return {tmin_, tmax_, dist0_, dist1_, address3x_, address1x_, divider_clocks_}; }
   void inherit(const bih_kept& kept);
 
  private:
@@ -63,6 +70,7 @@ class bih_walk {
   // Kept from ray to ray.
   std::int64_t tmin_ = 0, tmax_ = 0, dist0_ = 0, dist1_ = 0;
   std::uint32_t address3x_ = 0, address1x_ = 0;
+  std::uint64_t divider_clocks_ = 0;
   std::array<bih_stack_entry, bih_stack_words> stack_;
   // Results on their way, for early_out; those that are no nearer than one before are left out.
   struct result {
@@ -103,7 +111,10 @@ bih_outcome bih_walk::walk(const quantised_ray& ray, Visit& visit) {
   });
   std::int64_t tmin = tmin_ = inside.tmin, tmax = tmax_ = inside.tmax;
   address3x_ = address1x_ = 0;
-  if (inside.missed) return o;
+  if (inside.missed) {
+    divider_clocks_ -= std::min<std::uint64_t>(divider_clocks_, 1);
+    return o;
+  }
 
   const node* const nodes = tables_->nodes.data();
   const std::uint32_t* const lists = tables_->lists.data();
@@ -116,6 +127,7 @@ bih_outcome bih_walk::walk(const quantised_ray& ray, Visit& visit) {
   std::uint32_t at = 0;
   std::uint64_t clock = 1;
   std::uint64_t pushes = 0, leaves = 0, empty_leaves = 0;
+  std::uint64_t divider_free = divider_clocks_, waits = 0;  // in LEAF, for an iterative divider
   std::uint64_t lost = 0;            // pushed, and never popped, as a push emptied the stack
   std::uint64_t pushes_to_wrap = 0;  // how many pushes there were then
   std::int64_t nearest = no_hit;
@@ -173,7 +185,15 @@ bih_outcome bih_walk::walk(const quantised_ray& ray, Visit& visit) {
       ++clock;
       ++leaves;
       const std::uint32_t first = words.pointer, count = words.triangles;
+      const unsigned interval = params_.triangle_interval_cycles;
       const auto issue = [&](std::uint32_t triangle, std::uint64_t when) {
+        if (interval != 1) {
+          const std::uint64_t wait = divider_free > when ? divider_free - when : 0;
+          waits += wait;
+          clock += wait;
+          when += wait;
+          divider_free = when + interval;
+        }
         if constexpr (EarlyOut)
           expect(when, visit(triangle, when));
         else
@@ -222,7 +242,8 @@ bih_outcome bih_walk::walk(const quantised_ray& ray, Visit& visit) {
   o.max_stack = static_cast<std::uint32_t>(highest - bottom);
   o.visits.push = pushes;
   o.visits.pop = pushes - lost;
-  o.visits.leaf = o.triangles + empty_leaves;
+  o.visits.leaf = o.triangles + empty_leaves + waits;
+  divider_clocks_ = divider_free > clock ? divider_free - clock : 0;
   o.visits.inner = (clock - 1 - pushes - o.visits.pop - leaves - o.visits.leaf) / 2;
   o.visits.node = o.visits.inner + leaves;
   return o;

@@ -38,6 +38,7 @@ struct quantised_ray {
   per_axis<std::int64_t> position{};    ///< n bits unsigned, grid units (the intersector takes n+1)
   per_axis<std::int64_t> direction{};   ///< m bits, 1.0 = 2^(m-1)
   per_axis<std::int64_t> reciprocal{};  ///< m+C bits, 1.0 = 2^C
+  bool misses_box = false;              ///< found as it was clipped to the scene's box
 };
 
 }  // namespace rtusim

@@ -10,7 +10,6 @@ namespace rtusim {
 struct triangle_job {
   std::uint32_t job_word = 0;
   std::uint32_t sequence = 0;  ///< not in the hardware: the how-manieth job of the run, for the scoreboard
-  bool misses_box = false;     ///< the ray does not meet the scene's box; its position is then the box' point that the clipping came to
   quantised_ray ray;           ///< from where it enters the box, or from its origin within
 };
 

@@ -55,9 +55,9 @@ void ray_setup::operator()(const job_packet& packet, ray_setup_stats& stats, tri
     if (to_near > 0) enter = std::max(enter, along(to_near));
     leave = std::min(leave, to_far < 0 ? int128{-1} : along(to_far));
   }
-  job.misses_box = enter > leave;
-  stats.missed_box += job.misses_box;
-  stats.clipped += enter > 0 && !job.misses_box;
+  job.ray.misses_box = enter > leave;
+  stats.missed_box += job.ray.misses_box;
+  stats.clipped += enter > 0 && !job.ray.misses_box;
   for (unsigned i = 0; i < 3; ++i) {
     const int128 at = origin[i] + (enter * direction[i] >> (q_.m - 1));
     job.ray.position[i] = static_cast<std::int64_t>(std::clamp<int128>(at, 0, corner_[i]));

@@ -13,14 +13,9 @@ triangle_pipeline::triangle_pipeline(const sc_core::sc_module_name& name, const 
       interval_cycles_(p.divider == numeric::divider_kind::iterative ? intersector_.divider_width() : 1),
       distance_unit_(p.errata.t_halved ? 2 : 1) {}
 
-triangle_outcome triangle_pipeline::intersect(const quantised_ray& ray, std::uint32_t triangle) {
+triangle_outcome triangle_pipeline::intersect(const quantised_ray& ray, std::uint32_t triangle) const {
   RTU_CHECK(triangle, <, triangles_.size());
-  const triangle_outcome o = intersector_(ray.position, ray.direction, triangles_[triangle]);
-  ++stats_.pairs;
-  stats_.hits += o.hit;
-  stats_.errors += o.err;
-  stats_.wrapped += o.wrapped;
-  return o;
+  return intersector_(ray.position, ray.direction, triangles_[triangle]);
 }
 
 }  // namespace rtusim

@@ -13,7 +13,7 @@ namespace rtusim {
 /// own choice, `interval_cycles` or more behind the last one, and has the outcome `latency_cycles` later.
 class intersector_interface : public virtual sc_core::sc_interface {
  public:
-  virtual triangle_outcome intersect(const quantised_ray& ray, std::uint32_t triangle) = 0;
+  virtual triangle_outcome intersect(const quantised_ray& ray, std::uint32_t triangle) const = 0;
   virtual unsigned latency_cycles() const = 0;
   virtual unsigned interval_cycles() const = 0;
   /// Grid units that the last bit of an outcome's t is worth.
@@ -27,17 +27,14 @@ class intersector_interface : public virtual sc_core::sc_interface {
 class triangle_pipeline final : public sc_core::sc_module, public intersector_interface {
  public:
   using params = triangle_unit_params;
-  using stats = triangle_unit::stats;
 
   /// `triangles` must outlive the module. Errors: those of `triangle_intersector`.
   triangle_pipeline(const sc_core::sc_module_name& name, const params& p, const std::vector<accelerated_triangle>& triangles);
 
-  triangle_outcome intersect(const quantised_ray& ray, std::uint32_t triangle) override;
+  triangle_outcome intersect(const quantised_ray& ray, std::uint32_t triangle) const override;
   unsigned latency_cycles() const override { return latency_cycles_; }
   unsigned interval_cycles() const override { return interval_cycles_; }
   std::int64_t distance_unit() const override { return distance_unit_; }
-
-  const stats& statistics() const { return stats_; }
 
  private:
   triangle_intersector intersector_;
@@ -45,7 +42,6 @@ class triangle_pipeline final : public sc_core::sc_module, public intersector_in
   unsigned latency_cycles_;
   unsigned interval_cycles_;
   std::int64_t distance_unit_;
-  stats stats_;
 };
 
 }  // namespace rtusim

@@ -22,6 +22,14 @@ void triangle_unit::trace(waveform& w) const {
   w.add(stats_.hits, std::string(name()) + ".hits");
 }
 
+triangle_unit::stats& triangle_unit::stats::operator+=(const stats& s) {
+  pairs += s.pairs;
+  hits += s.hits;
+  errors += s.errors;
+  wrapped += s.wrapped;
+  return *this;
+}
+
 void triangle_unit::stats::describe(config::report& r) const {
   r.number("pairs", pairs, "pairs", "rays and triangles intersected, enabled ones");
   r.number("hits", hits, "pairs", "of these, hits");

@@ -53,6 +53,7 @@ class triangle_unit final : public pipeline_unit<triangle_request, triangle_resu
     std::uint64_t errors = 0;
     std::uint64_t wrapped = 0;
 
+    stats& operator+=(const stats& s);
     void describe(config::report& r) const;
   };
 

@@ -227,6 +227,49 @@ TEST_CASE("command line: a file that can't be used is refused with its place", "
   for (const refusal& r : all) check_refused(folder, r);
 }
 
+TEST_CASE("command line: a triangle unit's input that can't be used is refused with its place", "[testbench]") {
+  const test::scratch_folder folder;
+  folder.file("division.csv", "n,d\n1,2\n");
+  folder.file("column.csv", "n,q\n1,2\n");
+  folder.file("word.csv", "n,d\n1,2\n1,9223372036854775808\n");
+  std::string header = "en,pos_x,pos_y,pos_z,dir_x,dir_y,dir_z,r,pp,pq,d,np,nq,e1p,e1q,e2p,e2q\n";
+  folder.file("enable.csv", header + "2,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0\n");
+  folder.file("axis.csv", header + "1,0,0,0,0,0,0,4,0,0,0,0,0,0,0,0,0\n");
+  folder.file("none.csv", header);
+  folder.file("without.csv", header.replace(header.find("e1q"), 3, "e1r") + "1,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0\n");
+  const auto t_div = [](const std::string& name, const words& also = {}) {
+    words all{"unit", "t_div", "--jobs", name, "--out", "out.csv"};
+    all.insert(all.end(), also.begin(), also.end());
+    return all;
+  };
+  const auto triangles = [](const std::string& name, const words& also = {}) {
+    words all{"unit", "triangle_unit", "--jobs", name, "--out", "out.csv"};
+    all.insert(all.end(), also.begin(), also.end());
+    return all;
+  };
+  const refusal all[] = {
+      {"no divisor", t_div("column.csv"), "column.csv:1: no column d"},
+      {"a word of 65 bits", t_div("word.csv"), "word.csv:3: d = \"9223372036854775808\"; expected a whole number"},
+      {"a divider of 3 bits", t_div("division.csv", {"--set", "t_div.width=3"}), "t_div.width = 3; expected a whole number from 4 to 64"},
+      {"a divider of 65 bits", t_div("division.csv", {"--set", "t_div.width=65"}),
+       "t_div.width = 65; expected a whole number from 4 to 64"},
+      {"a divider of no kind", t_div("division.csv", {"--set", "t_div.kind=serial"}),
+       "t_div.kind = \"serial\"; expected pipelined or iterative"},
+      {"a divider's model", t_div("division.csv", {"--model", dragon}), "unit t_div: --model; expected no model"},
+      {"an edge that is not there", triangles("without.csv"), "without.csv:1: no column e1q"},
+      {"an enable of 2", triangles("enable.csv"), "enable.csv:2: en = \"2\"; expected a whole number from 0 to 1"},
+      {"a fifth axis", triangles("axis.csv"), "axis.csv:2: r = \"4\"; expected a whole number from 0 to 3"},
+      {"coordinates of 3 bits", triangles("none.csv", {"--set", "quantisation.n=3"}),
+       "quantisation.n = 3; expected a whole number from 4 to 32"},
+      {"more bits dropped than there are", triangles("none.csv", {"--set", "quantisation.n=8", "--set", "quantisation.division_drop=8"}),
+       "quantisation.division_drop: 8; expected at most n - 1 = 7"},
+      {"triangles where there are none", small_run({"--set", "quantisation.n=12"}), "quantisation.n is not read by this design"},
+  };
+  for (const refusal& r : all) check_refused(folder, r);
+  CHECK(rtusim(folder, triangles("none.csv")).status == 0);
+  CHECK_THAT(contents(folder).at("out.csv"), Catch::EndsWith(",e2q,rdy,hit,u,v,t\n"));
+}
+
 TEST_CASE("command line: an output that can't be written is refused before the run, a full disk leaves nothing", "[testbench]") {
   const test::scratch_folder folder;
   folder.file("log.csv", "of an earlier run\n");
@@ -309,6 +352,14 @@ TEST_CASE("command line: raw words are taken whatever they hold", "[testbench]")
   CHECK(unit.status == 0);
   CHECK_THAT(unit.err, Catch::StartsWith("rtusim: warning: 2 words are wider than "));
   CHECK_THAT(contents(folder).at("out.csv"), Catch::Contains("raw_normal_axis,note\n") && Catch::EndsWith(",x\n"));
+
+  folder.file("wide.csv", "n,note,d\n9223372036854775807,x,-1\n4294967296,y,4294967297\n");
+  const outcome divisions = rtusim(folder, {"unit", "t_div", "--jobs", "wide.csv", "--out", "out.csv"});
+  CHECK(divisions.status == 0);
+  CHECK(divisions.err == "rtusim: warning: 3 words are wider than their registers and were cut\n");
+  folder.file("wide.csv", "n,d\n-9223372036854775808,-1\n1,-2\n");
+  CHECK(rtusim(folder, {"unit", "t_div", "--jobs", "wide.csv", "--out", "out.csv", "--set", "t_div.width=64"}).err.empty());
+  CHECK_THAT(contents(folder).at("out.csv"), Catch::EndsWith("\n1,-2,11529215046068469760,1\n"));  // 2^63 + 2^61
 }
 
 TEST_CASE("command line: a run and the units give the golden files", "[testbench]") {
@@ -326,6 +377,21 @@ TEST_CASE("command line: a run and the units give the golden files", "[testbench
     const words unit{"unit", "svo_core", "--arch", as_built, "--model", model, "--jobs", table, "--out", "out"};
     CHECK(rtusim(folder, unit).status == 0);
     CHECK((contents(folder)["out"] == config::read_file(table)));
+  }
+  const std::string triangles = source + "testbench/golden/bih/";
+  const std::pair<std::string, words> triangle_units[] = {
+      {"tdiv_w16", {"t_div", "--set", "t_div.width=16"}},
+      {"tdiv_w32", {"t_div", "--set", "t_div.width=32"}},
+      {"tdiv_w16", {"t_div", "--set", "t_div.width=16", "--set", "t_div.kind=iterative"}},
+      {"tri_int_n30_m32", {"triangle_unit", "--set", "errata.all=true"}}};
+  for (const auto& [name, unit] : triangle_units) {
+    const std::string file = triangles + name + ".csv.gz";
+    words arguments{"unit", "--jobs", file, "--out", "out"};
+    arguments.insert(arguments.end(), unit.begin(), unit.end());
+    const outcome triangle_unit = rtusim(folder, arguments);
+    CHECK(triangle_unit.status == 0);
+    CHECK(triangle_unit.err.empty());
+    CHECK((contents(folder)["out"] == config::read_file(file)));
   }
   const std::string table = golden + "float_to_fixed.csv.gz";
   CHECK(rtusim(folder, {"unit", "float_to_fixed", "--arch", as_built, "--jobs", table, "--out", "out"}).status == 0);
