@@ -44,16 +44,19 @@ struct triangle_outcome {
 /// | S | n+3 | -2^(n+1) <= S < 2^(n+2) whatever the position; `num_wraps`: n+2, which 3 2^n leaves |
 /// | num | n+3 | at most 3 2^n for positions inside the scene |
 /// | den | m+2 | at most 3.0; `den_wraps`: m, which sqrt 3 leaves |
-/// | quotient | n+3 | {err, t in grid units}, t < 2^(n+1) |
+/// | quotient | n+3 | {err, t in grid units}; t < 2^(n+1), which a ray across the scene leaves when its direction is much shorter than 1 |
 /// | t dir | n+2 | fits without err |
-/// | kp, kq | n+2 | may wrap, by 2^(n+2): its size is then 2^n or more, and it lies outside every triangle as it did before |
+/// | kp, kq | n+2 | may wrap, by 2^(n+2), and is then still 2^n or more in size, so outside every triangle whose edges are not clamped |
 /// | u, v | n+m+2 | never wraps, as |e| < 2^(m-1); 1.0 = 2^(m-1+E) |
 /// | u + v | n+m+3 | `uv_below_one`: n+m+2, so that a sum far beyond 1 may count as negative |
 ///
-/// The divider has max(n+3, m+1) bits and gets numerator and denominator in a common scale: the low ends of what is shorter are filled
-/// with zeros (n+3 bits where m = n+2, which the listing takes for granted; where it writes m for a distance it is n+2 here). Without
-/// `den_wraps` it has 2 bits more, for the denominator's, and the quotient's 2 last bits are left out, so that its others weigh
-/// what they did. `division_drop` drops low bits of both operands and makes the divider as many bits narrower; those bits of t are 0.
+/// The divider has max(n+3, m+1) bits and gets numerator and denominator in a common scale: the low end of the shorter one is filled
+/// with zeros. Without `den_wraps` it has 2 bits more, for the denominator's, and the quotient's 2 last bits are left out, so that its
+/// others weigh what they did. `division_drop` drops low bits of both operands and makes the divider as many bits narrower; the
+/// quotient's bits of that weight are 0.
+///
+/// Deviation: where the listing writes m for a distance it is n+2 here. They are equal in the listing; here m can be varied alone, as in
+/// its figure 2.7.
 class triangle_intersector {
  public:
   /// `wide`: 128-bit arithmetic even where 64 bits hold every register. Errors: input_error for a division_drop of n or more.

@@ -1,5 +1,7 @@
 #include "modules/triangle_unit/triangle_unit.h"
 
+#include <utility>
+
 namespace rtusim {
 
 triangle_unit::triangle_unit(const sc_core::sc_module_name& name, const params& p)

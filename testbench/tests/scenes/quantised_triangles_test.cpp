@@ -2,10 +2,13 @@
 
 #include <catch2/catch.hpp>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "modules/config/error.h"
@@ -145,7 +148,7 @@ TEST_CASE("quantised_triangles: words of the widest grid against long doubles", 
   unsigned seen_clamped = 0;
   for (int i = 0; i < 20'000; ++i) {
     std::array<grid_point, 3> corners;
-    const unsigned spread = random() % 33;
+    const unsigned spread = random() % 32;
     for (grid_point& c : corners)
       for (unsigned k = 0; k < 3; ++k) {
         const auto near = static_cast<std::int64_t>(random() >> spread);
