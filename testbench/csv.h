@@ -32,7 +32,7 @@ class csv_table {
 };
 
 /// A table to be written: a copy of `given` in which the columns `all` stand in their order, those of them that `given` lacks behind
-/// the one before them in `all`; `values` replaces the columns named in `computed`, row by row. `raw`: they are unsigned words.
+/// the one before them in `all`; `values` replaces the columns named in `computed`, row by row.
 void write_csv(const std::filesystem::path& file, const csv_table& given, const std::vector<std::string>& all,
                const std::vector<std::string>& computed, const std::vector<std::vector<std::int64_t>>& values);
 /// The same with values as they are to stand there.

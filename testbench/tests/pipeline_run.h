@@ -32,14 +32,14 @@ inline std::vector<std::vector<pipeline_run>> stalled_runs(std::uint32_t shuffle
 /// A line `CYCLE NAME PAYLOAD` for each transfer into and out of a unit; PAYLOAD is empty on the way in.
 template <class Unit, class In, class Out, class Params, class Text>
 std::string pipeline_log(const Params& params, const std::vector<In>& items, const pipeline_run& run, Text text) {
-  struct in_observer final : channel_observer<In> {
+  struct in_observer {
     std::string* log = nullptr;
-    void transferred(unsigned, cycle c, const In&) override { *log += fmt::format("{} in \n", c); }
+    void transferred(unsigned, cycle c, const In&) { *log += fmt::format("{} in \n", c); }
   };
-  struct out_observer final : channel_observer<Out> {
+  struct out_observer {
     std::string* log = nullptr;
     Text* text = nullptr;
-    void transferred(unsigned, cycle c, const Out& payload) override { *log += fmt::format("{} out {}\n", c, (*text)(payload)); }
+    void transferred(unsigned, cycle c, const Out& payload) { *log += fmt::format("{} out {}\n", c, (*text)(payload)); }
   };
   return in_child([&] {
     clock_domain clock("clock_domain", 100);

@@ -255,7 +255,7 @@ TEST_CASE("command line: a triangle unit's input that can't be used is refused w
        "t_div.width = 65; expected a whole number from 4 to 64"},
       {"a divider of no kind", t_div("division.csv", {"--set", "t_div.kind=serial"}),
        "t_div.kind = \"serial\"; expected pipelined or iterative"},
-      {"a divider's model", t_div("division.csv", {"--model", dragon}), "unit t_div: --model; expected no model"},
+      {"a divider's model", t_div("division.csv", {"--model", dragon}), "unit t_div: --model; expected no octree"},
       {"an edge that is not there", triangles("without.csv"), "without.csv:1: no column e1q"},
       {"an enable of 2", triangles("enable.csv"), "enable.csv:2: en = \"2\"; expected a whole number from 0 to 1"},
       {"a fifth axis", triangles("axis.csv"), "axis.csv:2: r = \"4\"; expected a whole number from 0 to 3"},
