@@ -19,6 +19,7 @@ namespace {
 
 constexpr std::int64_t least_word = std::numeric_limits<std::int64_t>::min();
 constexpr std::int64_t greatest_word = std::numeric_limits<std::int64_t>::max();
+constexpr std::uint64_t most_text = std::uint64_t{1} << 30;  // bytes of triangle numbers
 
 }  // namespace
 
@@ -40,7 +41,7 @@ void bench_bih_core(const design& d, const unit_files& files) {
 
   bih_walk walk(params, hierarchy);
   std::vector<std::vector<std::string>> results;
-  std::uint64_t wrapped = 0;
+  std::uint64_t wrapped = 0, text = 0;
   for (std::size_t row = 0; row < table.rows(); ++row) {
     quantised_ray ray;
     for (unsigned i = 0; i < 3; ++i) {
@@ -56,6 +57,10 @@ void bench_bih_core(const design& d, const unit_files& files) {
       fmt::format_to(std::back_inserter(triangles), "{}{}", triangles.empty() ? "" : ";", triangle);
     });
     if (o.overflow) throw bih_stack_overflow("bih_core", row);
+    text += triangles.size();
+    if (text > most_text)
+      throw input_error(fmt::format("{}:{}", jobs.string(), row + 2),
+                        fmt::format("more than {} bytes of triangle numbers by this ray", most_text), "fewer rays at a time");
     std::vector<std::string>& values = results.emplace_back();
     const bih_visits& v = o.visits;
     for (const std::uint64_t figure : {o.cycles(), v.aabb, v.node, v.inner, v.push, v.pop, v.leaf, std::uint64_t{o.max_stack}, o.triangles})

@@ -21,12 +21,11 @@ bih_memory random_words(rng& random, const bih_core_params& p) {
     for (auto& words : memory.words) words[i] = odd ? word_of(random) & greatest_bih_word : 0;
     memory.words[3][i] = word_of(random) & greatest_bih_word;
     const std::uint32_t last = std::min(end, used) - 2;
-    // The next free pair, or any behind the node.
+    // On a ladder each second node is a leaf, else pairs follow as in a heap, but for some that are shared.
     std::uint32_t left = ladder ? i + 1 : 2 * i + 1;
     if (!ladder && random() % 16 == 0) left = i + 1 + random() % 16;
     bih_words node;
     if (left <= last && (ladder ? (i + 1) % 2 == 0 || i == 0 : random() % 8 != 0)) {
-      if (ladder && i != 0) left = i + 1;
       node = make_inner(random() % 3, left, 0, 0);
       const bool both = ladder ? random() % 16 != 0 : random() % 4 == 0;
       node[1] = both ? grid : word_of(random) & grid;
