@@ -59,7 +59,7 @@ void bench_bih_core(const design& d, const unit_files& files) {
     if (o.overflow) throw bih_stack_overflow("bih_core", row);
     text += triangles.size();
     if (text > most_text)
-      throw input_error(fmt::format("{}:{}", jobs.string(), row + 2),
+      throw input_error(fmt::format("{}:{}", files.jobs.string(), row + 2),
                         fmt::format("more than {} bytes of triangle numbers by this ray", most_text), "fewer rays at a time");
     std::vector<std::string>& values = results.emplace_back();
     const bih_visits& v = o.visits;

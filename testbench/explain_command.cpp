@@ -15,10 +15,12 @@
 namespace rtusim {
 namespace {
 
-/// The figures of the statistics file for one core and one channel; the others' are alike.
+/// The figures of the statistics file for one core and one channel; the others' are alike. Cores of other kinds have other figures.
+template <class Jobs, class Core>
 std::vector<config::report::entry> statistics_entries() {
   run_figures run;
-  run.cores.resize(1);
+  run.add(Jobs{});
+  run.add(Core{});
   run.channels.emplace_back("job", channel_stats{});
   config::report all;
   all.group("statistics", [&](config::report& r) { run.describe(r); });
@@ -45,7 +47,12 @@ std::string explain_text(const std::string& key) {
   }
   std::vector<std::string> names;
   std::string figures;
-  for (const auto& e : statistics_entries()) {
+  auto entries = statistics_entries<job_manager::stats, svo_core::stats>();
+  for (const auto& e : statistics_entries<triangle_job_manager::stats, bih_core::stats>()) {
+    const auto same = [&e](const auto& other) { return other.key == e.key; };
+    if (std::none_of(entries.begin(), entries.end(), same)) entries.push_back(e);
+  }
+  for (const auto& e : entries) {
     names.push_back(e.key);
     const bool inside = e.key.rfind(key, 0) == 0 && (e.key.size() == key.size() || e.key[key.size()] == '.');
     if (key.empty() || inside) figures += fmt::format("{}{}\n    {}\n", e.key, e.unit.empty() ? "" : "  [" + e.unit + "]", e.meaning);

@@ -9,10 +9,18 @@ void frame::params::describe(config::section& s) {
   s.number("height", height, {1, most_pixels_a_side}, "pixels", "rows of the picture");
 }
 
-frame::frame(const params& p, unsigned fraction_bits)
+frame::frame(const params& p, unsigned fraction_bits, bool surfaces)
     : width_(p.width),
       height_(p.height),
       unit_(std::ldexp(1.0, -static_cast<int>(fraction_bits))),
-      pixels_(std::size_t{p.width} * p.height) {}
+      pixels_(std::size_t{p.width} * p.height),
+      surfaces_(surfaces ? pixels_.size() : 0) {}
+
+void frame::leave_out_all_but(const std::vector<job_packet>& jobs) {
+  if (jobs.size() == pixels_.size()) return;
+  for (pixel& p : pixels_) p.arrived = true;
+  for (const job_packet& j : jobs) pixels_[j.pixel()].arrived = false;
+  arrived_ = pixels_.size() - jobs.size();
+}
 
 }  // namespace rtusim

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -36,8 +37,24 @@ class frame {
   };
   static_assert(sizeof(pixel) == 20);
 
-  /// `fraction_bits`: of the fixed-point t_hit in the results.
-  frame(const params& p, unsigned fraction_bits);
+  /// What a pixel of triangle cores shows.
+  struct surface {
+    float distance = 0;                 ///< from the eye, in world units
+    std::array<float, 3> normal{};      ///< of length 1, toward the eye; 0 on a miss
+    std::uint32_t triangle = 0;
+  };
+
+  /// `fraction_bits`: of the fixed-point t_hit in the results. With `surfaces` every pixel has one.
+  frame(const params& p, unsigned fraction_bits, bool surfaces = false);
+
+  /// Keeps what a triangle core's result shows, at the pixel that its job id names.
+  void store(const traversal_result& r, std::uint64_t latency_cycles, const surface& s) {
+    if (!store(r, latency_cycles)) return;
+    pixels_[r.pixel()].t_hit = s.distance;
+    surfaces_[r.pixel()] = s;
+  }
+  /// No ray is sent for the other pixels, as it would meet nothing: they are misses without cost.
+  void leave_out_all_but(const std::vector<job_packet>& jobs);
 
   /// Keeps a result at the pixel that its job id names; a second one for a pixel takes the first one's place.
   /// False, and counted in `strays`, if the id lies outside the frame.
@@ -64,6 +81,8 @@ class frame {
   unsigned height() const { return height_; }
   const pixel& at(unsigned x, unsigned y) const { return pixels_[std::size_t{y} * width_ + x]; }
   const std::vector<pixel>& pixels() const { return pixels_; }
+  /// In raster order; empty where cores trace voxels.
+  const std::vector<surface>& surfaces() const { return surfaces_; }
   std::uint64_t arrived() const { return arrived_; }  ///< pixels with a result
   std::uint64_t strays() const { return strays_; }    ///< results whose id lies outside the frame
 
@@ -72,6 +91,7 @@ class frame {
   unsigned height_;
   double unit_;  // the worth of t_hit's last bit
   std::vector<pixel> pixels_;
+  std::vector<surface> surfaces_;
   std::uint64_t arrived_ = 0;
   std::uint64_t strays_ = 0;
 };

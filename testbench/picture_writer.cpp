@@ -34,16 +34,22 @@ colour grey(double value) { return {value, value, value}; }
 
 double linear_light(double srgb) { return srgb <= 0.04045 ? srgb / 12.92 : std::pow((srgb + 0.055) / 1.055, 2.4); }
 
-colour shaded_hit(const frame::pixel& p) { return grey(p.normal_axis == 0 ? 0.7 : p.normal_axis == 1 ? 0.9 : 0.5); }
-
-colour shaded(const frame::pixel& p) {
-  if (!p.arrived) return nothing_arrived;
-  return p.hit ? shaded_hit(p) : grey(1);
+/// A triangle's by the light that falls on it from above the eye's left; the eye is where its normal points.
+colour shaded_hit(const frame& f, const frame::pixel& p) {
+  if (f.surfaces().empty()) return grey(p.normal_axis == 0 ? 0.7 : p.normal_axis == 1 ? 0.9 : 0.5);
+  const auto& n = f.surfaces()[static_cast<std::size_t>(&p - f.pixels().data())].normal;
+  const double lit = (0.4 * n[0] + 0.8 * n[1] + 0.45 * n[2] + 1) / 2;
+  return grey(0.2 + 0.75 * std::clamp(lit, 0.0, 1.0));
 }
 
-colour cost_shown(const frame::pixel& p) {
+colour shaded(const frame& f, const frame::pixel& p) {
   if (!p.arrived) return nothing_arrived;
-  if (p.hit) return shaded_hit(p);
+  return p.hit ? shaded_hit(f, p) : grey(1);
+}
+
+colour cost_shown(const frame& f, const frame::pixel& p) {
+  if (!p.arrived) return nothing_arrived;
+  if (p.hit) return shaded_hit(f, p);
   const double rest = std::min(1.0, std::pow(0.95, (p.cost - 2.0) / 2.0));
   return {1, rest, rest};
 }
@@ -145,11 +151,15 @@ void write_exr(const std::filesystem::path& file, const frame& picture) {
   spec.attribute("compression", "zip");
   spec.attribute("DateTime", "");  // left to itself, OpenImageIO puts the time of writing into the bytes
   picture_file out(file, "openexr", spec);
-  write_bands<float>(out, picture, names.size(), OIIO::TypeDesc::FLOAT, [](const frame::pixel& p, float* to) {
-    for (const double value : shaded(p)) *to++ = static_cast<float>(linear_light(value));
+  write_bands<float>(out, picture, names.size(), OIIO::TypeDesc::FLOAT, [&](const frame::pixel& p, float* to) {
+    for (const double value : shaded(picture, p)) *to++ = static_cast<float>(linear_light(value));
     *to++ = p.hit ? 1.0f : 0.0f;
     *to++ = p.t_hit;
-    for (std::int8_t axis = 0; axis < 3; ++axis) *to++ = p.normal_axis == axis ? static_cast<float>(p.normal_sign) : 0.0f;
+    if (picture.surfaces().empty()) {
+      for (std::int8_t axis = 0; axis < 3; ++axis) *to++ = p.normal_axis == axis ? static_cast<float>(p.normal_sign) : 0.0f;
+    } else {
+      for (const float n : picture.surfaces()[static_cast<std::size_t>(&p - picture.pixels().data())].normal) *to++ = n;
+    }
     *to++ = static_cast<float>(p.cost);
     *to++ = p.arrived ? static_cast<float>(p.core) : -1.0f;
     *to++ = static_cast<float>(p.latency_cycles);
@@ -163,8 +173,8 @@ void write_exr(const std::filesystem::path& file, const frame& picture) {
 extern "C" void rtusim_write_picture(const std::filesystem::path& file, const rtusim::frame& picture, rtusim::picture_kind kind) {
   using namespace rtusim;
   switch (kind) {
-    case picture_kind::shaded: return write_png(file, picture, shaded);
-    case picture_kind::cost: return write_png(file, picture, cost_shown);
+    case picture_kind::shaded: return write_png(file, picture, [&](const frame::pixel& p) { return shaded(picture, p); });
+    case picture_kind::cost: return write_png(file, picture, [&](const frame::pixel& p) { return cost_shown(picture, p); });
     case picture_kind::depth: {
       const depth_span span(picture);
       return write_png(file, picture, [&](const frame::pixel& p) { return span.shown(p); });

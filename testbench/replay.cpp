@@ -191,7 +191,7 @@ class schedule final : public job_schedule {
         accepted_(Held ? walked.size : 0) {
     if (s.sink.ready == sink_params::regime::lfsr) sink_.emplace(s.sink.seed);
     figures_.clock_mhz = d.rtu.clock_mhz;
-    figures_.jobs.jobs = walked_.size;
+    jobs_.jobs = walked_.size;
   }
 
   /// Follows the jobs before `end`, which are walked.
@@ -199,7 +199,8 @@ class schedule final : public job_schedule {
     for (; next_job_ < end; ++next_job_) replay_job(next_job_);
   }
   run_figures finish(const numeric::float_to_fixed_stats& conversion) override {
-    figures_.jobs.conversion = conversion;
+    jobs_.conversion = conversion;
+    figures_.add(jobs_);
     if constexpr (Held) follow_drains(never);
     order_.flush(last_result_ + 1, [this](cycle c, const leaving_order::result& r) { leave(c, r); });
     check_watchdog(last_dispatch_, last_result_);
@@ -480,7 +481,7 @@ class schedule final : public job_schedule {
       s.idle_cycles = core.idle_cycles;
       s.out_cycles = core.jobs + core.waited_cycles;
       s.visits = visits_of_sums(core.jobs, core.cost, core.pushes, core.depth, core.ends);
-      figures_.cores.push_back(s);
+      figures_.add(s);
     }
   }
 
@@ -489,6 +490,7 @@ class schedule final : public job_schedule {
   policy policy_;
   const walked_rays& walked_;
   const result_handler& handler_;
+  job_manager::stats jobs_;
   std::vector<core_schedule> cores_;
   divider by_cores_;
   std::vector<std::int64_t> offered_steps_;  // as the scheduler's: whole turns, and what goes beyond them
@@ -592,6 +594,7 @@ class joined_threads {
 
 /// Why a design can't be replayed, as the words of an error; empty if it can.
 std::string replay_obstacle(const design& d, const surroundings& s) {
+  if (d.rtu.core != rtu_params::core_kind::svo) return "triangle cores, in which rays overlap";
   if (d.memory_.which != memory::kind::lut) return "a memory that makes cores wait";
   if (s.sink.ready == sink_params::regime::blocked) return "sink.ready = never";
   return {};

@@ -22,6 +22,7 @@
 #include "testbench/scene.h"
 #include "testbench/simulation.h"
 #include "testbench/summary.h"
+#include "testbench/triangle_model.h"
 
 namespace rtusim {
 namespace {
@@ -116,17 +117,45 @@ struct traced {
   simulator_figures speed;
 };
 
+/// What lies in the memories of the cores, as their kind needs it.
+struct loaded_model {
+  svo_image octree;
+  std::optional<triangle_model> triangles;
+
+  explicit loaded_model(const setup& s) {
+    const scene::model_params& m = s.what.model;
+    if (s.unit.has_triangles())
+      triangles = load_triangles(m.model, s.unit.quantisation_, s.unit.bih_builder.leaf_triangles, s.unit.bih_core.address_bits, m.patch_quads);
+    else
+      octree = load_model(m.model, m.resolution, m.patch_quads, {s.unit.memory_.address_bits, s.unit.svo_core.stack_depth});
+  }
+  model_view view() const { return triangles ? model_view(triangles->hierarchy) : model_view(octree.words); }
+  std::vector<job_packet> jobs(const setup& s) const {
+    const driver_params& driver = s.unit.driver;
+    if (triangles) return triangle_jobs(s.what.view, s.what.picture, triangles->grid, driver.norm, driver.skip_misses, 2);
+    return camera_jobs(s.what.view, s.what.picture, driver.last_sign_only, 0, 2);
+  }
+  /// Words in use, and their checksum.
+  std::pair<std::size_t, std::uint32_t> words() const {
+    if (!triangles) return {octree.words.size(), crc32_of(octree.words.data(), octree.words.size() * 4)};
+    const bih_memory& h = triangles->hierarchy;
+    uLong crc = 0;
+    for (const auto& w : h.words) crc = crc32_z(crc, reinterpret_cast<const Bytef*>(w.data()), w.size() * sizeof w[0]);
+    return {h.triangles.size(), static_cast<std::uint32_t>(crc)};
+  }
+};
+
 /// The run itself, simulated or replayed.
-traced trace(const run_options& o, const setup& s, const svo_image& image, const std::vector<job_packet>& jobs,
+traced trace(const run_options& o, const setup& s, const loaded_model& model, const std::vector<job_packet>& jobs,
              const std::optional<waveform_window>& window, const result_handler& handler) {
   traced t;
   t.speed.pace = run_pace_words[static_cast<std::size_t>(o.how)];
   const auto begin = wall_clock::now();
   if (o.how == run_pace::replay) {
     if (window) throw input_error("--vcd", "--pace replay, which has no signals", "--pace skipping, which is quick outside the window");
-    t.figures = replay(s.unit, s.bench, image.words, jobs, 2, handler);
+    t.figures = replay(s.unit, s.bench, model.octree.words, jobs, 2, handler);
   } else {
-    simulation sim(s.unit, s.bench, image.words, jobs, static_cast<pace>(o.how), window);
+    simulation sim(s.unit, s.bench, model.view(), jobs, static_cast<pace>(o.how), window);
     if (handler) sim.board().on_result(handler);
     const progress bar(!o.quiet, jobs.size());
     sim.clock().set_progress([&] { bar.show(sim.board().figures().rays); });
@@ -151,21 +180,28 @@ void run(const run_options& o) {
   check_outputs(o);
   const picture_preparation pictures(!o.images.empty());
 
-  const svo_limits limits{s.unit.memory_.address_bits, s.unit.svo_core.stack_depth};
-  const svo_image image = load_model(s.what.model.model, s.what.model.resolution, limits);
-  const std::vector<job_packet> jobs =
-      o.jobs.empty() ? camera_jobs(s.what.view, s.what.picture, s.unit.driver.last_sign_only, 0, 2) : read_jobs(o.jobs);
+  const bool triangles = s.unit.has_triangles();
+  const loaded_model model(s);
+  const std::vector<job_packet> jobs = o.jobs.empty() ? model.jobs(s) : read_jobs(o.jobs);
   if (!o.save_jobs.empty()) write_jobs(o.save_jobs, jobs);
   std::optional<frame> picture;
-  if (!o.images.empty()) picture.emplace(s.what.picture, s.unit.fixed_point.fraction_bits);
+  std::optional<triangle_surfaces> surfaces;
+  if (!o.images.empty()) {
+    picture.emplace(s.what.picture, s.unit.fixed_point.fraction_bits, triangles);
+    if (triangles) surfaces.emplace(*model.triangles, s.unit.quantisation_, s.unit.triangle_unit_.errata.t_halved ? 2 : 1);
+    if (o.jobs.empty()) picture->leave_out_all_but(jobs);
+  }
   std::optional<results_log> log;
-  if (!o.log.empty()) log.emplace(o.log);
+  if (!o.log.empty()) log.emplace(o.log, triangles);
 
   const result_handler handler = [&](cycle c, const traversal_result& r, std::uint64_t latency_cycles) {
-    if (picture) picture->store(r, latency_cycles);
+    if (picture && surfaces)
+      picture->store(r, latency_cycles, surfaces->at(jobs[r.sequence], r));
+    else if (picture)
+      picture->store(r, latency_cycles);
     if (log) log->add(c, r);
   };
-  traced run = trace(o, s, image, jobs, window, picture || log ? handler : result_handler());
+  traced run = trace(o, s, model, jobs, window, picture || log ? handler : result_handler());
   if (picture && picture->strays() != 0)
     throw input_error(o.jobs.string(),
                       fmt::format("{} job ids beyond the frame of {} x {}", picture->strays(), picture->width(), picture->height()),
@@ -177,11 +213,12 @@ void run(const run_options& o) {
   config::report statistics;
   run.figures.describe(statistics);
   run_record record;
+  const auto [model_words, model_crc] = model.words();
   record.inputs = {{"scene", o.scene.string()},
                    {"architecture", o.architecture.string()},
                    {"model", s.what.model.model},
-                   {"model_words", image.words.size()},
-                   {"model_crc32", fmt::format("{:08x}", crc32_of(image.words.data(), image.words.size() * 4))},
+                   {triangles ? "model_triangles" : "model_words", model_words},
+                   {"model_crc32", fmt::format("{:08x}", model_crc)},
                    {"jobs", o.jobs.string()},
                    {"jobs_crc32", fmt::format("{:08x}", crc32_of(jobs.data(), jobs.size() * sizeof(job_packet)))}};
   record.parameters = s.parameters.values();
@@ -191,9 +228,12 @@ void run(const run_options& o) {
   run.speed.describe(simulator);
   record.simulator = simulator.values();
   if (!o.statistics.empty()) write_record(o.statistics, record);
-  if (const auto& c = run.figures.jobs.conversion; c.overflows + c.nans != 0 && !o.jobs.empty())
+  if (const auto c = run.figures.conversion(); c.overflows + c.nans != 0 && !o.jobs.empty())
     fmt::print(stderr, "rtusim: warning: {} parameters of the jobs lie beyond the fixed-point range, {} are no number\n", c.overflows,
                c.nans);
+  if (triangles && model.triangles->dropped + model.triangles->clamped != 0)
+    fmt::print(stderr, "rtusim: warning: of the triangles {} lost their area on the grid, {} have edges beyond edge_shift and were clamped\n",
+               model.triangles->dropped, model.triangles->clamped);
   if (!o.quiet) fmt::print("{}", summary_text(record));
 }
 

@@ -4,6 +4,11 @@
 
 namespace rtusim {
 
+numeric::float_to_fixed_stats run_figures::conversion() const {
+  if (const auto* s = std::get_if<job_manager::stats>(&jobs)) return s->conversion;
+  return std::get<triangle_job_manager::stats>(jobs).setup.conversion;
+}
+
 void run_figures::describe(config::report& r) const {
   const auto rays = static_cast<double>(results.rays);
   const auto cycles = static_cast<double>(results.last_result);
@@ -21,11 +26,17 @@ void run_figures::describe(config::report& r) const {
   r.group("latency", [this](config::report& g) { results.latency.describe(g, "cycles"); });
   r.group("cost", [this](config::report& g) { results.cost.describe(g, "cycles"); });
   r.group("waits", [&](config::report& g) { results.waits.describe(g, rays); });
-  r.group("job_manager", [this](config::report& g) { jobs.describe(g); });
-  svo_core::stats all;
-  for (const auto& core : cores) all += core;
-  r.group("svo_core", [&](config::report& g) { all.describe(g); });
-  for (std::size_t i = 0; i < cores.size(); ++i) r.group(fmt::format("core_{}", i), [&](config::report& g) { cores[i].describe(g); });
+  r.group("job_manager", [this](config::report& g) { std::visit([&g](const auto& s) { s.describe(g); }, jobs); });
+  std::visit(
+      [&](const auto& of_kind) {
+        using stats = typename std::decay_t<decltype(of_kind)>::value_type;
+        stats all;
+        for (const stats& core : of_kind) all += core;
+        r.group(std::is_same_v<stats, bih_core::stats> ? "bih_core" : "svo_core", [&](config::report& g) { all.describe(g); });
+        for (std::size_t i = 0; i < of_kind.size(); ++i)
+          r.group(fmt::format("core_{}", i), [&](config::report& g) { of_kind[i].describe(g); });
+      },
+      cores);
   r.group("channels", [this](config::report& g) {
     for (const auto& [name, stats] : channels) g.group(name, [&s = stats](config::report& c) { s.describe(c); });
   });

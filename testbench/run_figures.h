@@ -3,10 +3,13 @@
 #include <cstdint>
 #include <string>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "modules/config/report.h"
+#include "modules/bih_core/bih_core.h"
 #include "modules/job_manager/job_manager.h"
+#include "modules/job_manager/triangle_job_manager.h"
 #include "modules/svo_core/svo_core.h"
 #include "modules/timing/channel.h"
 #include "testbench/histogram.h"
@@ -18,9 +21,22 @@ namespace rtusim {
 struct run_figures {
   double clock_mhz = 0;
   result_figures results;
-  job_manager::stats jobs;
-  std::vector<svo_core::stats> cores;
+  /// Of the job manager and the cores, of the kind that the design has.
+  std::variant<job_manager::stats, triangle_job_manager::stats> jobs;
+  std::variant<std::vector<svo_core::stats>, std::vector<bih_core::stats>> cores;
   std::vector<std::pair<std::string, channel_stats>> channels;  ///< by instance name, in the order of construction
+
+  void add(const job_manager::stats& s) { jobs = s; }
+  void add(const triangle_job_manager::stats& s) { jobs = s; }
+  /// The next core's.
+  template <class Stats>
+  void add(const Stats& s) {
+    if (!std::holds_alternative<std::vector<Stats>>(cores)) cores = std::vector<Stats>();
+    std::get<std::vector<Stats>>(cores).push_back(s);
+  }
+
+  /// Of the words of the jobs.
+  numeric::float_to_fixed_stats conversion() const;
 
   void describe(config::report& r) const;
 };

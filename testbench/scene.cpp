@@ -13,6 +13,8 @@ void scene::model_params::describe(config::section& s) {
   s.number("resolution", resolution, {voxel_grid::least_resolution, voxel_grid::most_resolution}, "voxels",
            "voxels an edge, a power of two, that a mesh is divided into")
       .when([this] { return !is_octree(model); }, "scene.model is a mesh");
+  s.number("patch_quads", patch_quads, {1, 256}, "quads", "quads along each side of a Bezier patch")
+      .when([this] { return has_patches(model); }, "scene.model is a .bpt");
 }
 
 void scene::describe(config::schema& s) {
@@ -31,11 +33,15 @@ bool is_octree(const std::filesystem::path& file) {
   return file.extension() == ".svo" || (file.extension() == ".gz" && file.stem().extension() == ".svo");
 }
 
-svo_image load_model(const std::filesystem::path& file, unsigned resolution, const svo_limits& limits) {
+bool has_patches(const std::filesystem::path& file) {
+  return file.extension() == ".bpt" || (file.extension() == ".gz" && file.stem().extension() == ".bpt");
+}
+
+svo_image load_model(const std::filesystem::path& file, unsigned resolution, unsigned patch_quads, const svo_limits& limits) {
   if (is_octree(file)) return read_svo(file, limits);
   if (!voxel_grid::is_resolution(resolution))
     throw input_error("scene.resolution", std::to_string(resolution), fmt::format("a power of two up to {}", voxel_grid::most_resolution));
-  svo_image image = build_svo(voxelise_surface(read_mesh(file), resolution), file.string());
+  svo_image image = build_svo(voxelise_surface(read_mesh(file, patch_quads), resolution), file.string());
   check_svo(image, fmt::format("{} at {} voxels an edge", file.string(), resolution), limits);
   return image;
 }

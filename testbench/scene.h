@@ -16,6 +16,7 @@ struct scene {
   struct model_params {
     std::string model;
     unsigned resolution = 32;
+    unsigned patch_quads = 10;
     void describe(config::section& s);
   };
 
@@ -29,7 +30,10 @@ struct scene {
 
 /// The octree of a model: an `.svo` as it is; a mesh (see `read_mesh`) as its surface voxels, `resolution` an edge.
 /// Errors: input_error for a file that can't be used, a resolution that is no power of two, an octree beyond `limits`.
-svo_image load_model(const std::filesystem::path& file, unsigned resolution, const svo_limits& limits);
+svo_image load_model(const std::filesystem::path& file, unsigned resolution, unsigned patch_quads, const svo_limits& limits);
+
+/// Whether the file holds Bezier patches, so that it is asked into how many quads each is cut.
+bool has_patches(const std::filesystem::path& file);
 
 /// Whether the file holds an octree, so that no resolution is asked for.
 bool is_octree(const std::filesystem::path& file);

@@ -4,14 +4,14 @@
 
 namespace rtusim {
 
-scoreboard::scoreboard(rtu& unit, channel<job_packet>& jobs, channel<traversal_result>& results) {
-  const std::size_t cores = unit.cores().size();
+scoreboard::scoreboard(rtu& unit, channel<job_packet>& jobs, channel<traversal_result>& results)
+    : job_latency_cycles_(unit.job_latency_cycles()), core_latency_cycles_(unit.core_latency_cycles()) {
   std::size_t ring = 16;
-  while (ring < job_manager::latency_cycles + 2 * cores + 2) ring *= 2;
+  while (ring < job_latency_cycles_ + 2 * unit.cores() + 2) ring *= 2;
   flights_.resize(ring);
   jobs.observe(*this, 0);
-  for (unsigned i = 0; i < cores; ++i) {
-    unit.core_jobs()[i].observe(*this, i);
+  for (unsigned i = 0; i < unit.cores(); ++i) {
+    unit.visit([&](auto& front) { front.core_job[i].observe(*this, i); });
     unit.core_results()[i].observe(*this, i);
   }
   results.observe(*this, unit_output);
@@ -30,10 +30,10 @@ void scoreboard::transferred(unsigned, cycle c, const job_packet& p) {
   figures_.last_accepted = c;
 }
 
-void scoreboard::transferred(unsigned core, cycle c, const traversal_job& j) {
-  flight& f = in_flight(j.sequence);
-  RTU_CHECK(f.job_word, ==, j.job_word);
-  RTU_CHECK(j.sequence, ==, dispatched_);
+void scoreboard::dispatched(unsigned core, cycle c, std::uint32_t job_word, std::uint32_t sequence) {
+  flight& f = in_flight(sequence);
+  RTU_CHECK(f.job_word, ==, job_word);
+  RTU_CHECK(sequence, ==, dispatched_);
   ++dispatched_;
   f.dispatched = c;
   f.core = core;
@@ -55,12 +55,12 @@ void scoreboard::transferred(unsigned which, cycle c, const traversal_result& r)
 void scoreboard::arrived(cycle c, const traversal_result& r) {
   const flight& f = in_flight(r.sequence);
   RTU_CHECK(static_cast<std::uint32_t>(r.core), ==, f.core);
-  const cycle converted = f.accepted + job_manager::latency_cycles;
-  const cycle walked = f.dispatched + r.cost + 1;
+  const cycle converted = f.accepted + job_latency_cycles_;
+  const cycle walked = f.dispatched + r.cost + core_latency_cycles_;
   RTU_CHECK(f.dispatched, >=, converted);
   RTU_CHECK(f.buffered, >=, walked);
   RTU_CHECK(c, >, f.buffered);
-  const ray_waits waits{job_manager::latency_cycles, f.dispatched - converted, r.cost + std::uint64_t{1}, f.buffered - walked,
+  const ray_waits waits{job_latency_cycles_, f.dispatched - converted, r.cost + core_latency_cycles_, f.buffered - walked,
                         c - f.buffered};
   RTU_CHECK(waits.latency_cycles(), ==, c - f.accepted);
 
@@ -80,7 +80,7 @@ void ray_waits::describe(config::report& r, double rays) const {
   const auto mean = [rays](std::uint64_t sum) { return rays == 0 ? 0.0 : static_cast<double>(sum) / rays; };
   r.number("conversion", mean(conversion_cycles), "cycles/ray", "in the job manager's stages");
   r.number("dispatch", mean(dispatch_cycles), "cycles/ray", "in the job manager, until a core takes the job");
-  r.number("traversal", mean(traversal_cycles), "cycles/ray", "in the core's states");
+  r.number("traversal", mean(traversal_cycles), "cycles/ray", "in the core's states, and in the intersector behind a triangle core");
   r.number("buffer", mean(buffer_cycles), "cycles/ray", "in the core, until its result buffer is empty");
   r.number("result", mean(result_cycles), "cycles/ray", "in the result buffer, until the result leaves");
 }

@@ -16,7 +16,7 @@ namespace rtusim {
 struct ray_waits {
   std::uint64_t conversion_cycles = 0;  ///< the job manager's stages
   std::uint64_t dispatch_cycles = 0;    ///< in the job manager, until a core takes the job
-  std::uint64_t traversal_cycles = 0;   ///< in the core: cost + 1
+  std::uint64_t traversal_cycles = 0;   ///< in the core: cost + 1; of a triangle core with the way through the intersector
   std::uint64_t buffer_cycles = 0;      ///< in the core, until its result buffer is empty
   std::uint64_t result_cycles = 0;      ///< in the result buffer, until the result leaves
 
@@ -93,11 +93,17 @@ class scoreboard final {
   // Transfers of the observed channels: `which` is the core, or for the RTU's output `unit_output`.
   static constexpr unsigned unit_output = ~0u;
   void transferred(unsigned, cycle c, const job_packet& p);
-  void transferred(unsigned core, cycle c, const traversal_job& j);
+  template <class Job>
+  void transferred(unsigned core, cycle c, const Job& j) {
+    dispatched(core, c, j.job_word, j.sequence);
+  }
+  void dispatched(unsigned core, cycle c, std::uint32_t job_word, std::uint32_t sequence);
   void transferred(unsigned which, cycle c, const traversal_result& r);
   flight& in_flight(std::uint32_t sequence) { return flights_[sequence & (flights_.size() - 1)]; }
   void arrived(cycle c, const traversal_result& r);
 
+  cycle job_latency_cycles_;
+  cycle core_latency_cycles_;
   std::vector<flight> flights_;  // ring by sequence
   std::uint32_t accepted_ = 0;
   std::uint32_t dispatched_ = 0;

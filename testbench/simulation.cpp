@@ -17,14 +17,13 @@ const std::set<std::string>& surroundings::sections() {
   return names;
 }
 
-simulation::simulation(const design& d, const surroundings& s, const std::vector<std::uint32_t>& image, const std::vector<job_packet>& jobs,
-                       pace p, const std::optional<waveform_window>& window)
+simulation::simulation(const design& d, const surroundings& s, const model_view& model, const std::vector<job_packet>& jobs, pace p, const std::optional<waveform_window>& window)
     : jobs_(jobs),
       window_(window),
       clock_mhz_(d.rtu.clock_mhz),
       clock_("clock_domain", d.rtu.clock_mhz),
       source_("source", s.source, jobs),
-      rtu_("rtu", d, image),
+      rtu_("rtu", d, model),
       sink_("sink", s.sink, jobs.size()),
       scoreboard_(rtu_, job_, result_) {
   source_.out(job_);
@@ -34,7 +33,7 @@ simulation::simulation(const design& d, const surroundings& s, const std::vector
   clock_.set_pace(p);
   clock_.set_watchdog(s.watchdog_cycles);
   if (window) {
-    waveform_ = std::make_unique<waveform>("waveform", window->file, d.fixed_point.width());
+    waveform_ = std::make_unique<waveform>("waveform", window->file, d.packets());
     if (window->job_id)
       follow_job(*window->job_id);
     else
@@ -71,8 +70,10 @@ run_figures simulation::figures() {
   run_figures f;
   f.clock_mhz = clock_mhz_;
   f.results = scoreboard_.figures();
-  f.jobs = rtu_.jobs().statistics();
-  for (auto& core : rtu_.cores()) f.cores.push_back(core.statistics());
+  rtu_.visit([&f](auto& front) {
+    f.add(front.job_manager_.statistics());
+    for (auto& core : front.cores) f.add(core.statistics());
+  });
   for (channel_base* ch : clock_.channels()) f.channels.emplace_back(ch->basename(), ch->stats());
   return f;
 }

@@ -56,8 +56,10 @@ std::string summary_text(const run_record& record) {
   std::string t;
   const auto line = [&t](std::string_view format, const auto&... values) { t += fmt::format(fmt::runtime(format), values...) + '\n'; };
 
-  line("{} {} cores at {} MHz, {} on {} words", rtu["cores"].get<unsigned>(), rtu["core"].get<std::string>(),
-       rtu["clock_mhz"].get<double>(), record.inputs["model"].get<std::string>(), record.inputs["model_words"].get<std::uint64_t>());
+  const bool triangles = record.inputs.contains("model_triangles");
+  line("{} {} cores at {} MHz, {} on {} {}", rtu["cores"].get<unsigned>(), rtu["core"].get<std::string>(), rtu["clock_mhz"].get<double>(),
+       record.inputs["model"].get<std::string>(), record.inputs[triangles ? "model_triangles" : "model_words"].get<std::uint64_t>(),
+       triangles ? "triangles" : "words");
   line("{:>14} cycles   {} rays, {} hits ({:.1f} %)", s["total_cycles"].get<std::uint64_t>(), s["rays"].get<std::uint64_t>(),
        s["hits"].get<std::uint64_t>(), share(s["hits"], s["rays"].get<double>()));
   line("{:>14.3f} cycles a ray", s["cycles_per_ray"].get<double>());
@@ -76,13 +78,15 @@ std::string summary_text(const run_record& record) {
   const auto core_line = [&](const std::string& name, const json& core) {
     const double all = all_cycles(core["cycles"]);
     const double idle = share(core["cycles"]["idle"], all);
-    const double out = share(core["cycles"]["out"], all);
+    const double out = core["cycles"].contains("out") ? share(core["cycles"]["out"], all) : 0;
     line("{:>27} {:5.1f}% {:5.1f}% {:5.1f}% {:6}", name, idle, 100 - idle - out, out, core["jobs"].get<std::uint64_t>());
   };
-  core_line("all", s["svo_core"]);
+  core_line("all", s[triangles ? "bih_core" : "svo_core"]);
   const auto cores = rtu["cores"].get<unsigned>();
   for (unsigned i = 0; i < cores; ++i)
     if (cores <= 16 || i < 4 || i + 4 >= cores) core_line("core_" + std::to_string(i), s["core_" + std::to_string(i)]);
+  if (triangles)
+    line("{:>27} {:5.1f}% of the cores' walking clocks issue a triangle", "fill", 100 * s["bih_core"]["fill"].get<double>());
   line("");
 
   line("channels, share of all cycles:  transferred  starved  held back   idle");

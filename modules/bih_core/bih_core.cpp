@@ -79,13 +79,20 @@ void bih_core::accept(const triangle_job& job) {
 void bih_core::edge() {
   const bool taken = result_out->fired();
   const bool accepted = job_in->fired();
-  if (!taken && !accepted) return;
   if (taken) {
     oldest_ = oldest_ + 1 < flights_.size() ? oldest_ + 1 : 0;
     --in_flight_;
   }
   if (accepted) accept(job_in->data());
-  job_in->offer_ready(in_flight_ < flights_.size() ? offer::always_from(std::max(free_from_, now() + 1)) : offer::none());
+  const bool room = in_flight_ < flights_.size();
+  const bool ready = room && now() + 1 >= free_from_;
+  if (ready != ready_) {
+    ready_ = ready;
+    job_in->offer_ready(ready ? offer::always_from(now() + 1) : offer::none());
+  }
+  // The scheduler wants to hear of a ready core as it becomes so.
+  if (taken || accepted) book_edge(room && !ready ? free_from_ - 1 : never);
+  if (!taken && !accepted) return;
   if (in_flight_ == 0) {
     result_out->offer_valid(offer::none());
   } else if (taken || in_flight_ == 1) {

@@ -76,6 +76,7 @@ class bih_core final : public unit {
   std::vector<flight> flights_;  // a ring of rays_in_flight
   unsigned oldest_ = 0;
   unsigned in_flight_ = 0;
+  bool ready_ = true;            // for a job, from the coming cycle on
   cycle accepted_ = never;       // the last job's
   cycle free_from_ = 0;          // the first cycle in which the machine can take the next
   stats sums_;                   // of all jobs accepted

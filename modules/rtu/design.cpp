@@ -14,6 +14,10 @@ void driver_params::describe(config::section& s) {
   s.flag("skip_misses", skip_misses, "rays that miss the box of the scene are not sent");
 }
 
+void bih_builder_params::describe(config::section& s) {
+  s.number("leaf_triangles", leaf_triangles, {1, 4096}, "triangles", "most triangles of a leaf");
+}
+
 void design::describe(config::schema& s) {
   s.add("rtu", rtu);
   s.entry_form("rtu.core", {{"kind", "rtu.core"}, {"count", "rtu.cores"}});
@@ -21,6 +25,7 @@ void design::describe(config::schema& s) {
   s.add("fixed_point", fixed_point);
   s.add("float_to_fixed", float_to_fixed);
   s.add("quantisation", quantisation_);
+  s.add("bih_builder", bih_builder);
   s.add("scheduler", scheduler_);
   s.add("svo_core", svo_core);
   s.add("bih_core", bih_core);
@@ -30,7 +35,7 @@ void design::describe(config::schema& s) {
   s.add("memory", memory_);
   s.read_when({"driver.last_sign_only", "fixed_point", "float_to_fixed", "svo_core", "memory"}, [this] { return !has_triangles(); },
               "rtu.core = svo");
-  s.read_when({"driver.norm", "driver.skip_misses", "quantisation", "bih_core", "t_div", "triangle_unit"},
+  s.read_when({"driver.norm", "driver.skip_misses", "quantisation", "bih_builder", "bih_core", "t_div", "triangle_unit"},
               [this] { return has_triangles(); }, "rtu.core = bih");
   s.read_when({"t_div.width"}, [this] { return benched == "t_div"; }, "the unit t_div is alone");
 }
@@ -42,7 +47,8 @@ bool design::has_triangles() const {
 
 const std::set<std::string>& design::sections() {
   static const std::set<std::string> names{"rtu",      "driver",   "fixed_point", "float_to_fixed", "quantisation",   "scheduler",
-                                           "svo_core", "bih_core", "t_div",       "triangle_unit",  "result_manager", "memory", "errata"};
+                                           "svo_core", "bih_core", "t_div",       "triangle_unit",  "result_manager", "memory",
+                                           "errata",   "bih_builder"};
   return names;
 }
 
@@ -57,6 +63,12 @@ triangle_unit_params design::triangle_unit_params_with_words() const {
   p.words = quantisation_;
   p.divider = t_div_.kind;
   return p;
+}
+
+packet_widths design::packets() const {
+  if (!has_triangles()) return {fixed_point.width(), 0, 0, 0, 0};
+  const quantisation& q = quantisation_;
+  return {q.n + 3, q.m, q.n, q.m, q.m + q.reciprocal_bits};
 }
 
 bih_core_params design::bih_core_params_with_widths() const {

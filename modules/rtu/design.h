@@ -13,6 +13,7 @@
 #include "modules/result_manager/result_manager.h"
 #include "modules/scheduler/scheduler.h"
 #include "modules/svo_core/svo_params.h"
+#include "modules/timing/waveform.h"
 #include "modules/t_div/t_div.h"
 #include "modules/triangle_unit/triangle_unit.h"
 
@@ -44,6 +45,13 @@ struct driver_params {
   void describe(config::section& s);
 };
 
+/// How the host builds hierarchies for triangle cores.
+struct bih_builder_params {
+  unsigned leaf_triangles = 8;
+
+  void describe(config::section& s);
+};
+
 /// A design: the parameters of every unit, as an architecture file gives them. The defaults are the RTU of Espe 2019 with its errata
 /// put right.
 struct design {
@@ -52,6 +60,7 @@ struct design {
   numeric::fixed_format fixed_point;
   numeric::float_to_fixed_errata float_to_fixed;
   quantisation quantisation_;
+  bih_builder_params bih_builder;
   scheduler_params scheduler_;
   svo_core_params svo_core;
   bih_core_params bih_core;
@@ -73,6 +82,7 @@ struct design {
   svo_core_params svo_core_params_with_format() const;
   triangle_unit_params triangle_unit_params_with_words() const;
   bih_core_params bih_core_params_with_widths() const;
+  packet_widths packets() const;
 };
 
 }  // namespace rtusim

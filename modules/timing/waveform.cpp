@@ -67,8 +67,8 @@ void finish_file(const std::filesystem::path& written, const std::filesystem::pa
 
 }  // namespace
 
-waveform::waveform(const sc_core::sc_module_name& name, std::filesystem::path file, unsigned t_bits)
-    : sc_module(name), path_(std::move(file)), t_bits_(t_bits), output_(path_), traced_(output_.temporary().string() + ".vcd") {
+waveform::waveform(const sc_core::sc_module_name& name, std::filesystem::path file, const packet_widths& widths)
+    : sc_module(name), path_(std::move(file)), widths_(widths), output_(path_), traced_(output_.temporary().string() + ".vcd") {
   if (output_.temporary() == path_) throw input_error(path_.string(), "a device or a pipe", "a file: a waveform is gone over at its end");
   output_.release();
   SC_HAS_PROCESS(waveform);
@@ -119,25 +119,40 @@ void waveform::close() {
 
 void trace_fields(waveform& w, const std::string& name, const job_packet& p) {
   w.add(p.job_word, name + ".job_word");
-  w.add(p.address, name + ".address");
-  trace_axes(w, name + ".t0_float_", p.t0, 32);
-  trace_axes(w, name + ".t1_float_", p.t1, 32);
+  const bool triangles = w.widths().uv != 0;
+  if (!triangles) w.add(p.address, name + ".address");
+  trace_axes(w, name + (triangles ? ".origin_float_" : ".t0_float_"), p.t0, 32);
+  trace_axes(w, name + (triangles ? ".direction_float_" : ".t1_float_"), p.t1, 32);
 }
 
 void trace_fields(waveform& w, const std::string& name, const traversal_job& j) {
   w.add(j.job_word, name + ".job_word");
   w.add(j.address, name + ".address");
-  trace_axes(w, name + ".t0", j.t0, w.t_bits());
-  trace_axes(w, name + ".t1", j.t1, w.t_bits());
+  trace_axes(w, name + ".t0", j.t0, w.widths().t);
+  trace_axes(w, name + ".t1", j.t1, w.widths().t);
+}
+
+void trace_fields(waveform& w, const std::string& name, const triangle_job& j) {
+  w.add(j.job_word, name + ".job_word");
+  w.add(j.ray.misses_box, name + ".misses_box");
+  trace_axes(w, name + ".pos_", j.ray.position, w.widths().position);
+  trace_axes(w, name + ".dir_", j.ray.direction, w.widths().direction);
+  trace_axes(w, name + ".idir_", j.ray.reciprocal, w.widths().reciprocal);
 }
 
 void trace_fields(waveform& w, const std::string& name, const traversal_result& r) {
   w.add(r.job_word, name + ".job_word");
   w.add(r.hit, name + ".hit");
-  w.add(r.t_hit, name + ".t_hit", w.t_bits());
-  w.add(r.normal_axis, name + ".normal_axis", 3);
-  w.add(r.normal_sign, name + ".normal_sign", 2);
+  w.add(r.t_hit, name + ".t_hit", w.widths().t);
   w.add(r.cost, name + ".cost");
+  if (w.widths().uv != 0) {
+    w.add(r.triangle, name + ".triangle");
+    w.add(r.u, name + ".u", w.widths().uv);
+    w.add(r.v, name + ".v", w.widths().uv);
+  } else {
+    w.add(r.normal_axis, name + ".normal_axis", 3);
+    w.add(r.normal_sign, name + ".normal_sign", 2);
+  }
 }
 
 void trace_fields(waveform& w, const std::string& name, const std::uint32_t& word) { w.add(word, name + ".data"); }
