@@ -40,6 +40,9 @@ class divider {
     return {below && b <= half_ ? ratio(a, b) : bit_by_bit(a, b), (n < 0) != (d < 0) || !below};
   }
 
+  /// Whether the quotient of these words has err set.
+  bool errs(std::int64_t n, std::int64_t d) const { return (n < 0) != (d < 0) || magnitude(n) >= magnitude(d); }
+
   /// The magnitude of |n| / |d| as the hardware finds it.
   std::uint64_t bit_by_bit(std::uint64_t n, std::uint64_t d) const;
 

@@ -1,6 +1,8 @@
 #include "modules/triangle_unit/triangle_intersector.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 
 #include "modules/config/error.h"
 #include "modules/numeric/fixed_point.h"
@@ -13,6 +15,23 @@ template <class Int, class Unsigned>
 Int wrapped(Int word, unsigned width) {
   const unsigned up = static_cast<unsigned>(sizeof(Int) * 8) - width;
   return static_cast<Int>(static_cast<Unsigned>(word) << up) >> up;
+}
+
+/// A product modulo the host word: only bits below its width are kept of it.
+template <class Int, class Unsigned>
+Int product(std::int64_t a, std::int64_t b) {
+  return static_cast<Int>(static_cast<Unsigned>(static_cast<Int>(a)) * static_cast<Unsigned>(static_cast<Int>(b)));
+}
+
+template <class Int, class Unsigned>
+std::int64_t scaled_product(std::int64_t a, std::int64_t b, unsigned shift, unsigned width) {
+  return static_cast<std::int64_t>(wrapped<Int, Unsigned>(product<Int, Unsigned>(a, b) >> shift, width));
+}
+
+/// The axes r, p and q.
+std::array<unsigned, 3> axes_of(const accelerated_triangle& triangle) {
+  constexpr std::array<std::array<unsigned, 3>, 4> axes{{{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {2, 0, 1}}};
+  return axes[triangle.r & 3];
 }
 
 unsigned divider_width_of(const quantisation& q, const triangle_errata& errata) {
@@ -33,21 +52,18 @@ triangle_intersector::triangle_intersector(const quantisation& q, const triangle
       num_up_(q.m > q.n + 2 ? q.m - q.n - 2 : 0),
       den_up_(q.n + 2 > q.m ? q.n + 2 - q.m : 0),
       drop_(q.division_drop),
-      extra_bits_(num_up_ + (errata.den_wraps ? 0 : 2)) {}
+      extra_bits_(num_up_ + (errata.den_wraps ? 0 : 2)),
+      one_(std::ldexp(1.0, static_cast<int>(q.m - 1 + q.edge_shift))),
+      k_limit_(std::ldexp(2.0, static_cast<int>(q.n)) - 16),
+      sum_limit_(std::ldexp(1.0, static_cast<int>(q.n + q.m + 1))) {}
 
 template <class Int, class Unsigned>
-triangle_outcome triangle_intersector::intersect(const per_axis<std::int64_t>& position, const per_axis<std::int64_t>& direction,
-                                                 const accelerated_triangle& triangle) const {
+triangle_intersector::plane_terms triangle_intersector::terms(const per_axis<std::int64_t>& position,
+                                                              const per_axis<std::int64_t>& direction,
+                                                              const accelerated_triangle& triangle) const {
   using numeric::wrap;
-  // Modulo the host word: of every product only bits below its width are kept.
-  const auto product = [](std::int64_t a, std::int64_t b) {
-    return static_cast<Int>(static_cast<Unsigned>(static_cast<Int>(a)) * static_cast<Unsigned>(static_cast<Int>(b)));
-  };
-  const auto scaled = [&](std::int64_t a, std::int64_t b, unsigned shift, unsigned width) {
-    return static_cast<std::int64_t>(wrapped<Int, Unsigned>(product(a, b) >> shift, width));
-  };
-
-  const unsigned r = std::min<unsigned>(triangle.r, 2), p = (r + 1) % 3, q = (r + 2) % 3;
+  constexpr auto scaled = &scaled_product<Int, Unsigned>;
+  const auto [r, p, q] = axes_of(triangle);
   const std::int64_t o_p = wrap(position[p], n_ + 1), o_q = wrap(position[q], n_ + 1);
 
   const unsigned product_bits = m_ + (errata_.den_wraps ? 0 : 1);
@@ -59,7 +75,17 @@ triangle_outcome triangle_intersector::intersect(const per_axis<std::int64_t>& p
   const std::int64_t den = errata_.den_wraps ? short_den : whole_den;
 
   const auto aligned = [this](std::int64_t word, unsigned up) { return word * (std::int64_t{1} << up) >> drop_; };
-  const numeric::quotient_bits quotient = divider_(aligned(num, num_up_), aligned(den, den_up_));
+  return {num, den, aligned(num, num_up_), aligned(den, den_up_), short_s != whole_s || short_den != whole_den};
+}
+
+template <class Int, class Unsigned>
+triangle_outcome triangle_intersector::finish(const plane_terms& plane, const per_axis<std::int64_t>& position,
+                                              const per_axis<std::int64_t>& direction, const accelerated_triangle& triangle) const {
+  using numeric::wrap;
+  constexpr auto scaled = &scaled_product<Int, Unsigned>;
+  const auto [r, p, q] = axes_of(triangle);
+  const std::int64_t o_p = wrap(position[p], n_ + 1), o_q = wrap(position[q], n_ + 1);
+  const numeric::quotient_bits quotient = divider_(plane.dividend, plane.divisor);
   const std::uint64_t distance =
       (extra_bits_ >= drop_ ? quotient.magnitude >> (extra_bits_ - drop_) : quotient.magnitude << (drop_ - extra_bits_)) |
       std::uint64_t{quotient.err} << (n_ + 2);
@@ -71,7 +97,7 @@ triangle_outcome triangle_intersector::intersect(const per_axis<std::int64_t>& p
   const std::int64_t k_q = wrap(wrap(o_q - triangle.pq, n_ + 1) + scaled(signed_t, direction[q], m_ - 1 - halved, n_ + 2), n_ + 2);
 
   const auto difference = [&](std::int64_t a, std::int64_t b, std::int64_t c, std::int64_t d) {
-    const Unsigned wide = static_cast<Unsigned>(product(a, b)) - static_cast<Unsigned>(product(c, d));
+    const Unsigned wide = static_cast<Unsigned>(product<Int, Unsigned>(a, b)) - static_cast<Unsigned>(product<Int, Unsigned>(c, d));
     return wrapped<Int, Unsigned>(static_cast<Int>(wide), n_ + m_ + 2);
   };
   const Int u = difference(triangle.e1p, k_q, triangle.e1q, k_p);
@@ -88,16 +114,53 @@ triangle_outcome triangle_intersector::intersect(const per_axis<std::int64_t>& p
   o.u = static_cast<std::uint64_t>(u >> uv_down) & uv_mask;
   o.v = static_cast<std::uint64_t>(v >> uv_down) & uv_mask;
   o.t = t;
-  o.hit = !quotient.err && inside && (errata_.t_zero_by_sign || num != 0);
+  o.hit = !quotient.err && inside && (errata_.t_zero_by_sign || plane.num != 0);
   o.err = quotient.err;
-  o.wrapped = short_s != whole_s || short_den != whole_den;
+  o.wrapped = plane.wrapped;
   return o;
+}
+
+bool triangle_intersector::surely_misses(const plane_terms& plane, const per_axis<std::int64_t>& position,
+                                         const per_axis<std::int64_t>& direction, const accelerated_triangle& triangle) const {
+  // The registers lose less than 2 grid units of t and 1 of each product, so that k is off by less than `lost`; binary64 loses far less
+  // than the share of the products that is added to that.
+  constexpr double lost = 4, rounding = 0x1p-40;
+  const auto [r, p, q] = axes_of(triangle);
+  if (drop_ != 0 || (position[p] | position[q]) >> n_ != 0) return false;
+  const auto real = [](std::int64_t word) { return static_cast<double>(word); };
+  const double t = real(plane.num) / real(plane.den);  // in units of 2^(m-1) grid units
+  const double k_p = real(position[p] - triangle.pp) + t * real(direction[p]), k_q = real(position[q] - triangle.pq) + t * real(direction[q]);
+  if (!(std::max(std::fabs(k_p), std::fabs(k_q)) < k_limit_)) return false;
+  const double e1p = real(triangle.e1p), e1q = real(triangle.e1q), e2p = real(triangle.e2p), e2q = real(triangle.e2q);
+  const double u = e1p * k_q - e1q * k_p, v = e2q * k_p - e2p * k_q;
+  const double u_off = lost * (std::fabs(e1p) + std::fabs(e1q)) + rounding * (std::fabs(e1p * k_q) + std::fabs(e1q * k_p));
+  const double v_off = lost * (std::fabs(e2p) + std::fabs(e2q)) + rounding * (std::fabs(e2q * k_p) + std::fabs(e2p * k_q));
+  return u < -u_off || v < -v_off || (u + v > one_ + u_off + v_off && u + v < sum_limit_ - u_off - v_off);
+}
+
+template <class Int, class Unsigned>
+triangle_outcome triangle_intersector::hit_only(const per_axis<std::int64_t>& position, const per_axis<std::int64_t>& direction,
+                                                const accelerated_triangle& triangle) const {
+  const plane_terms plane = terms<Int, Unsigned>(position, direction, triangle);
+  triangle_outcome o;
+  o.wrapped = plane.wrapped;
+  o.err = divider_.errs(plane.dividend, plane.divisor);
+  if (o.err || surely_misses(plane, position, direction, triangle)) return o;
+  return finish<Int, Unsigned>(plane, position, direction, triangle);
 }
 
 triangle_outcome triangle_intersector::operator()(const per_axis<std::int64_t>& position, const per_axis<std::int64_t>& direction,
                                                   const accelerated_triangle& triangle) const {
-  return narrow_ ? intersect<std::int64_t, std::uint64_t>(position, direction, triangle)
-                 : intersect<int128, uint128>(position, direction, triangle);
+  if (narrow_)
+    return finish<std::int64_t, std::uint64_t>(terms<std::int64_t, std::uint64_t>(position, direction, triangle), position, direction,
+                                               triangle);
+  return finish<int128, uint128>(terms<int128, uint128>(position, direction, triangle), position, direction, triangle);
+}
+
+triangle_outcome triangle_intersector::hit_only(const per_axis<std::int64_t>& position, const per_axis<std::int64_t>& direction,
+                                                const accelerated_triangle& triangle) const {
+  return narrow_ ? hit_only<std::int64_t, std::uint64_t>(position, direction, triangle)
+                 : hit_only<int128, uint128>(position, direction, triangle);
 }
 
 void triangle_errata::describe(config::section& s) {

@@ -68,13 +68,32 @@ class triangle_intersector {
   triangle_outcome operator()(const per_axis<std::int64_t>& position, const per_axis<std::int64_t>& direction,
                               const accelerated_triangle& triangle) const;
 
+  /// The same, but of what is no hit only `hit`, `err` and `wrapped`: most of that is seen without the division.
+  triangle_outcome hit_only(const per_axis<std::int64_t>& position, const per_axis<std::int64_t>& direction,
+                            const accelerated_triangle& triangle) const;
+
  private:
   __extension__ using int128 = __int128;
   __extension__ using uint128 = unsigned __int128;
 
+  /// Where the ray meets the triangle's plane.
+  struct plane_terms {
+    std::int64_t num, den;
+    std::int64_t dividend, divisor;  // the same in the divider's scale
+    bool wrapped;
+  };
   template <class Int, class Unsigned>
-  triangle_outcome intersect(const per_axis<std::int64_t>& position, const per_axis<std::int64_t>& direction,
-                             const accelerated_triangle& triangle) const;
+  plane_terms terms(const per_axis<std::int64_t>& position, const per_axis<std::int64_t>& direction,
+                    const accelerated_triangle& triangle) const;
+  template <class Int, class Unsigned>
+  triangle_outcome finish(const plane_terms& plane, const per_axis<std::int64_t>& position, const per_axis<std::int64_t>& direction,
+                          const accelerated_triangle& triangle) const;
+  /// Whether the ray passes the triangle by more than all roundings of the registers come to, of a plane without err.
+  bool surely_misses(const plane_terms& plane, const per_axis<std::int64_t>& position, const per_axis<std::int64_t>& direction,
+                     const accelerated_triangle& triangle) const;
+  template <class Int, class Unsigned>
+  triangle_outcome hit_only(const per_axis<std::int64_t>& position, const per_axis<std::int64_t>& direction,
+                            const accelerated_triangle& triangle) const;
 
   unsigned n_, m_, edge_shift_;
   triangle_errata errata_;
@@ -83,6 +102,8 @@ class triangle_intersector {
   unsigned num_up_, den_up_;  // to the common scale
   unsigned drop_;
   unsigned extra_bits_;  // of the quotient, below grid units
+  // For `surely_misses`: 1.0 of u and v, where k and u + v might wrap.
+  double one_, k_limit_, sum_limit_;
 };
 
 }  // namespace rtusim

@@ -15,7 +15,7 @@ triangle_pipeline::triangle_pipeline(const sc_core::sc_module_name& name, const 
 
 triangle_outcome triangle_pipeline::intersect(const quantised_ray& ray, std::uint32_t triangle) const {
   RTU_CHECK(triangle, <, triangles_.size());
-  return intersector_(ray.position, ray.direction, triangles_[triangle]);
+  return intersector_.hit_only(ray.position, ray.direction, triangles_[triangle]);
 }
 
 }  // namespace rtusim

@@ -13,6 +13,7 @@ namespace rtusim {
 /// own choice, `interval_cycles` or more behind the last one, and has the outcome `latency_cycles` later.
 class intersector_interface : public virtual sc_core::sc_interface {
  public:
+  /// Of what is no hit u, v and t are not told.
   virtual triangle_outcome intersect(const quantised_ray& ray, std::uint32_t triangle) const = 0;
   virtual unsigned latency_cycles() const = 0;
   virtual unsigned interval_cycles() const = 0;
