@@ -8,61 +8,22 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <zlib.h>
 
 #include "modules/config/error.h"
 #include "modules/config/files.h"
-#include "modules/config/schema.h"
-#include "modules/rtu/design.h"
-#include "testbench/driver.h"
 #include "testbench/job_file.h"
 #include "testbench/pictures.h"
 #include "testbench/replay.h"
 #include "testbench/results_log.h"
-#include "testbench/scene.h"
+#include "testbench/run_setup.h"
 #include "testbench/simulation.h"
 #include "testbench/summary.h"
-#include "testbench/triangle_model.h"
 
 namespace rtusim {
 namespace {
 
 using seconds = std::chrono::duration<double>;
 using wall_clock = std::chrono::steady_clock;
-
-/// All that describes a run: the parameters behind one schema.
-struct setup {
-  design unit;
-  surroundings bench;
-  scene what;
-  config::schema parameters;
-
-  explicit setup(const run_options& o) {
-    unit.describe(parameters);
-    bench.describe(parameters);
-    what.describe(parameters);
-    const auto with_bench = [](std::set<std::string> names) {
-      names.insert(surroundings::sections().begin(), surroundings::sections().end());
-      return names;
-    };
-    if (!o.architecture.empty()) parameters.read_toml(o.architecture, with_bench(design::sections()));
-    if (!o.scene.empty()) {
-      parameters.read_toml(o.scene, with_bench(scene::sections()));
-      // A path in a scene file starts at its folder; one on the command line starts here.
-      if (!what.model.model.empty()) what.model.model = (o.scene.parent_path() / what.model.model).string();
-    }
-    // An octree in place of the scene's mesh leaves nothing to divide into voxels.
-    if (is_octree(o.model)) parameters.forget("scene.resolution");
-    for (const std::string& a : o.assignments) parameters.set(a);
-    if (!o.model.empty()) what.model.model = o.model.string();
-    parameters.check_read();
-    if (what.model.model.empty()) throw input_error("run", "no model", "a scene file, --model FILE or --set scene.model=FILE");
-  }
-};
-
-std::uint32_t crc32_of(const void* data, std::size_t bytes) {
-  return static_cast<std::uint32_t>(crc32_z(0, static_cast<const Bytef*>(data), bytes));
-}
 
 std::optional<waveform_window> window_of(const run_options& o) {
   if (o.waveform.empty()) {
@@ -117,43 +78,15 @@ struct traced {
   simulator_figures speed;
 };
 
-/// What lies in the memories of the cores, as their kind needs it.
-struct loaded_model {
-  svo_image octree;
-  std::optional<triangle_model> triangles;
-
-  explicit loaded_model(const setup& s) {
-    const scene::model_params& m = s.what.model;
-    if (s.unit.has_triangles())
-      triangles = load_triangles(m.model, s.unit.quantisation_, s.unit.bih_builder.leaf_triangles, s.unit.bih_core.address_bits, m.patch_quads);
-    else
-      octree = load_model(m.model, m.resolution, m.patch_quads, {s.unit.memory_.address_bits, s.unit.svo_core.stack_depth});
-  }
-  model_view view() const { return triangles ? model_view(triangles->hierarchy) : model_view(octree.words); }
-  std::vector<job_packet> jobs(const setup& s) const {
-    const driver_params& driver = s.unit.driver;
-    if (triangles) return triangle_jobs(s.what.view, s.what.picture, triangles->grid, driver.norm, driver.skip_misses, 2);
-    return camera_jobs(s.what.view, s.what.picture, driver.last_sign_only, 0, 2);
-  }
-  /// Words in use, and their checksum.
-  std::pair<std::size_t, std::uint32_t> words() const {
-    if (!triangles) return {octree.words.size(), crc32_of(octree.words.data(), octree.words.size() * 4)};
-    const bih_memory& h = triangles->hierarchy;
-    uLong crc = 0;
-    for (const auto& w : h.words) crc = crc32_z(crc, reinterpret_cast<const Bytef*>(w.data()), w.size() * sizeof w[0]);
-    return {h.triangles.size(), static_cast<std::uint32_t>(crc)};
-  }
-};
-
 /// The run itself, simulated or replayed.
-traced trace(const run_options& o, const setup& s, const loaded_model& model, const std::vector<job_packet>& jobs,
+traced trace(const run_options& o, const run_setup& s, const loaded_model& model, const std::vector<job_packet>& jobs,
              const std::optional<waveform_window>& window, const result_handler& handler) {
   traced t;
   t.speed.pace = run_pace_words[static_cast<std::size_t>(o.how)];
   const auto begin = wall_clock::now();
   if (o.how == run_pace::replay) {
     if (window) throw input_error("--vcd", "--pace replay, which has no signals", "--pace skipping, which is quick outside the window");
-    t.figures = replay(s.unit, s.bench, model.octree.words, jobs, 2, handler);
+    t.figures = replay(s.unit, s.bench, model.octree(), jobs, 2, handler);
   } else {
     simulation sim(s.unit, s.bench, model.view(), jobs, static_cast<pace>(o.how), window);
     if (handler) sim.board().on_result(handler);
@@ -173,7 +106,7 @@ traced trace(const run_options& o, const setup& s, const loaded_model& model, co
 
 void run(const run_options& o) {
   const auto start = wall_clock::now();
-  setup s(o);
+  run_setup s({o.scene, o.architecture, o.assignments, o.model});
   std::vector<picture_kind> kinds;
   for (const auto& image : o.images) kinds.push_back(kind_of(image));
   const auto window = window_of(o);
@@ -182,13 +115,13 @@ void run(const run_options& o) {
 
   const bool triangles = s.unit.has_triangles();
   const loaded_model model(s);
-  const std::vector<job_packet> jobs = o.jobs.empty() ? model.jobs(s) : read_jobs(o.jobs);
+  const std::vector<job_packet> jobs = o.jobs.empty() ? model.jobs(s, 2) : read_jobs(o.jobs);
   if (!o.save_jobs.empty()) write_jobs(o.save_jobs, jobs);
   std::optional<frame> picture;
   std::optional<triangle_surfaces> surfaces;
   if (!o.images.empty()) {
     picture.emplace(s.what.picture, s.unit.fixed_point.fraction_bits, triangles);
-    if (triangles) surfaces.emplace(*model.triangles, s.unit.quantisation_, s.unit.triangle_unit_.errata.t_halved ? 2 : 1);
+    if (triangles) surfaces.emplace(*model.triangles(), s.unit.quantisation_, s.unit.triangle_unit_.errata.t_halved ? 2 : 1);
     if (o.jobs.empty()) picture->leave_out_all_but(jobs);
   }
   std::optional<results_log> log;
@@ -213,14 +146,10 @@ void run(const run_options& o) {
   config::report statistics;
   run.figures.describe(statistics);
   run_record record;
-  const auto [model_words, model_crc] = model.words();
-  record.inputs = {{"scene", o.scene.string()},
-                   {"architecture", o.architecture.string()},
-                   {"model", s.what.model.model},
-                   {triangles ? "model_triangles" : "model_words", model_words},
-                   {"model_crc32", fmt::format("{:08x}", model_crc)},
-                   {"jobs", o.jobs.string()},
-                   {"jobs_crc32", fmt::format("{:08x}", crc32_of(jobs.data(), jobs.size() * sizeof(job_packet)))}};
+  record.inputs = inputs_of(s, model, jobs);
+  record.inputs["scene"] = o.scene.string();
+  record.inputs["architecture"] = o.architecture.string();
+  record.inputs["jobs"] = o.jobs.string();
   record.parameters = s.parameters.values();
   record.statistics = statistics.values();
   run.speed.all_seconds = seconds(wall_clock::now() - start).count();
@@ -231,9 +160,9 @@ void run(const run_options& o) {
   if (const auto c = run.figures.conversion(); c.overflows + c.nans != 0 && !o.jobs.empty())
     fmt::print(stderr, "rtusim: warning: {} parameters of the jobs lie beyond the fixed-point range, {} are no number\n", c.overflows,
                c.nans);
-  if (triangles && model.triangles->dropped + model.triangles->clamped != 0)
+  if (triangles && model.triangles()->dropped + model.triangles()->clamped != 0)
     fmt::print(stderr, "rtusim: warning: of the triangles {} lost their area on the grid, {} have edges beyond edge_shift and were clamped\n",
-               model.triangles->dropped, model.triangles->clamped);
+               model.triangles()->dropped, model.triangles()->clamped);
   if (!o.quiet) fmt::print("{}", summary_text(record));
 }
 

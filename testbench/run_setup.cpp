@@ -1,0 +1,89 @@
+#include "testbench/run_setup.h"
+
+#include <set>
+
+#include <fmt/format.h>
+#include <zlib.h>
+
+#include "modules/config/error.h"
+#include "testbench/driver.h"
+
+namespace rtusim {
+namespace {
+
+std::set<std::string> with_bench(std::set<std::string> names) {
+  names.insert(surroundings::sections().begin(), surroundings::sections().end());
+  return names;
+}
+
+std::uint32_t crc32_of(const void* data, std::size_t bytes, std::uint32_t before = 0) {
+  return static_cast<std::uint32_t>(crc32_z(before, static_cast<const Bytef*>(data), bytes));
+}
+
+}  // namespace
+
+void run_setup::describe() {
+  unit.describe(parameters);
+  bench.describe(parameters);
+  what.describe(parameters);
+}
+
+run_setup::run_setup(const run_sources& from) {
+  describe();
+  if (!from.architecture.empty()) parameters.read_toml(from.architecture, with_bench(design::sections()));
+  if (!from.scene.empty()) {
+    parameters.read_toml(from.scene, with_bench(scene::sections()));
+    // A path in a scene file starts at its folder; one on the command line starts here.
+    if (!what.model.model.empty()) what.model.model = (from.scene.parent_path() / what.model.model).string();
+  }
+  // An octree in place of the scene's mesh leaves nothing to divide into voxels, a mesh in place of patches nothing to cut.
+  if (is_octree(from.model)) parameters.forget("scene.resolution");
+  if (!from.model.empty() && !has_patches(from.model)) parameters.forget("scene.patch_quads");
+  for (const std::string& a : from.assignments) parameters.set(a);
+  if (!from.model.empty()) what.model.model = from.model.string();
+  check();
+}
+
+run_setup::run_setup(const nlohmann::json& recorded_parameters, const std::string& place) {
+  describe();
+  parameters.read_json(recorded_parameters, place);
+  check();
+}
+
+void run_setup::check() const {
+  parameters.check_read();
+  if (what.model.model.empty()) throw input_error("run", "no model", "a scene file, --model FILE or --set scene.model=FILE");
+}
+
+loaded_model::loaded_model(const run_setup& s) {
+  const scene::model_params& m = s.what.model;
+  if (s.unit.has_triangles())
+    triangles_ = load_triangles(m.model, s.unit.quantisation_, s.unit.bih_builder.leaf_triangles, s.unit.bih_core.address_bits, m.patch_quads);
+  else
+    octree_ = load_model(m.model, m.resolution, m.patch_quads, {s.unit.memory_.address_bits, s.unit.svo_core.stack_depth});
+}
+
+std::vector<job_packet> loaded_model::jobs(const run_setup& s, unsigned threads) const {
+  const driver_params& driver = s.unit.driver;
+  if (triangles_) return triangle_jobs(s.what.view, s.what.picture, triangles_->grid, driver.norm, driver.skip_misses, threads);
+  return camera_jobs(s.what.view, s.what.picture, driver.last_sign_only, 0, threads);
+}
+
+nlohmann::ordered_json inputs_of(const run_setup& s, const loaded_model& model, const std::vector<job_packet>& jobs) {
+  nlohmann::ordered_json inputs{{"scene", ""}, {"architecture", ""}, {"model", s.what.model.model}};
+  std::uint32_t crc = 0;
+  if (model.triangles()) {
+    const bih_memory& h = model.triangles()->hierarchy;
+    for (const auto& w : h.words) crc = crc32_of(w.data(), w.size() * sizeof w[0], crc);
+    inputs["model_triangles"] = h.triangles.size();
+  } else {
+    crc = crc32_of(model.octree().data(), model.octree().size() * sizeof model.octree()[0]);
+    inputs["model_words"] = model.octree().size();
+  }
+  inputs["model_crc32"] = fmt::format("{:08x}", crc);
+  inputs["jobs"] = "";
+  inputs["jobs_crc32"] = fmt::format("{:08x}", crc32_of(jobs.data(), jobs.size() * sizeof(job_packet)));
+  return inputs;
+}
+
+}  // namespace rtusim
