@@ -19,7 +19,9 @@
 #include "modules/config/schema.h"
 #include "testbench/explain_command.h"
 #include "testbench/info_command.h"
+#include "testbench/record_command.h"
 #include "testbench/run_command.h"
+#include "testbench/sweep_command.h"
 #include "testbench/unit_bench.h"
 
 namespace {
@@ -83,6 +85,26 @@ void add_run(CLI::App& app, run_options& o) {
   app.footer("Example: rtusim run scenes/dragon.toml --arch testbench/architectures/espe2019.toml --set rtu.cores=8 --image dragon.png");
 }
 
+/// Adds what `sweep` takes to its command.
+void add_sweep(CLI::App& app, sweep_options& o) {
+  app.add_option("SWEEP.toml", o.file, "axes, scenes and what is kept; see testbench/sweeps")->required()->type_name("");
+  app.add_option("--out", o.out, "folder of the results; out/SWEEP if left out")->type_name("DIR");
+  const auto read_jobs = [&o](const std::string& text) {
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), o.jobs);
+    if (error != std::errc{} || end != text.data() + text.size() || o.jobs < 1 || o.jobs > 4096)
+      throw input_error("-j", '"' + text + '"', "a whole number from 1 to 4096");
+  };
+  app.add_option_function<std::string>("-j", read_jobs, "worker processes, or tasks of the Slurm array")->type_name("N");
+  const auto read_engine = [&o](const std::string& word) {
+    if (word != "local" && word != "slurm") throw input_error("--engine", '"' + word + '"', "local or slurm");
+    o.how = word == "slurm" ? sweep_options::engine::slurm : sweep_options::engine::local;
+  };
+  app.add_option_function<std::string>("--engine", read_engine, "local processes, or a job array of Slurm")->type_name("ENGINE");
+  app.add_option("--share", o.share, "only the points with number modulo N = I, and no table: for one of N machines")->type_name("I/N");
+  app.add_flag("--quiet", o.quiet, "no summary");
+  app.footer("What is done stays: an interrupted sweep goes on with the same command, a changed one runs only what is new.");
+}
+
 /// What is wrong with a command line, as far as CLI11 reads it: with the command, and the word that may have been meant.
 input_error usage_error(const CLI::App& app, const CLI::ParseError& e) {
   const auto given = app.get_subcommands();
@@ -121,6 +143,21 @@ int command_line(int argc, char** argv) {
       ->type_name("KEY=VALUE")
       ->allow_extra_args(false);
 
+  sweep_options sweep_asked;
+  auto* const sweep_app = app.add_subcommand("sweep", "run a hundred designs, and one table of them all");
+  add_sweep(*sweep_app, sweep_asked);
+
+  rerun_options rerun_asked;
+  auto* const rerun_app = app.add_subcommand("rerun", "run what a statistics file records once more: the figures must be the same");
+  rerun_app->add_option("STATS.json", rerun_asked.record, "a statistics file")->required()->type_name("");
+  rerun_app->add_option("--stats", rerun_asked.statistics, "the new statistics file")->type_name("FILE");
+  rerun_app->add_flag("--quiet", rerun_asked.quiet, "no word when they are");
+
+  std::string diff_a, diff_b;
+  auto* const diff_app = app.add_subcommand("diff", "what differs between two statistics files, in design and in result");
+  diff_app->add_option("A.json", diff_a, "a statistics file")->required()->type_name("");
+  diff_app->add_option("B.json", diff_b, "another")->required()->type_name("");
+
   std::string info_file;
   auto* const info_app = app.add_subcommand("info", "describe an octree or a mesh");
   info_app->add_option("FILE", info_file, "an octree (.svo) or a mesh")->required()->type_name("");
@@ -142,6 +179,12 @@ int command_line(int argc, char** argv) {
   }
   if (*run_app) run(run_asked);
   if (*unit_app) bench_unit(unit_asked);
+  if (*sweep_app) sweep(sweep_asked);
+  if (*rerun_app) rerun(rerun_asked);
+  if (*diff_app) {
+    const std::string text = difference_text(diff_a, diff_b);
+    fmt::print("{}", text.empty() ? "no difference\n" : text);
+  }
   if (*info_app) fmt::print("{}", info_text(info_file));
   if (*explain_app) fmt::print("{}", explain_text(key));
   if (std::fflush(stdout) != 0) throw std::system_error(errno, std::generic_category(), "standard output");

@@ -592,14 +592,6 @@ class joined_threads {
   std::vector<std::thread> threads_;
 };
 
-/// Why a design can't be replayed, as the words of an error; empty if it can.
-std::string replay_obstacle(const design& d, const surroundings& s) {
-  if (d.rtu.core != rtu_params::core_kind::svo) return "triangle cores, in which rays overlap";
-  if (d.memory_.which != memory::kind::lut) return "a memory that makes cores wait";
-  if (s.sink.ready == sink_params::regime::blocked) return "sink.ready = never";
-  return {};
-}
-
 std::unique_ptr<job_schedule> schedule_for(const design& d, const surroundings& s, const walked_rays& walked,
                                            const result_handler& handler) {
   if (const std::string why = replay_obstacle(d, s); !why.empty())
@@ -610,6 +602,13 @@ std::unique_ptr<job_schedule> schedule_for(const design& d, const surroundings& 
 }
 
 }  // namespace
+
+std::string replay_obstacle(const design& d, const surroundings& s) {
+  if (d.rtu.core != rtu_params::core_kind::svo) return "triangle cores, in which rays overlap";
+  if (d.memory_.which != memory::kind::lut) return "a memory that makes cores wait";
+  if (s.sink.ready == sink_params::regime::blocked) return "sink.ready = never";
+  return {};
+}
 
 walked_rays walk_rays(const design& d, const std::vector<std::uint32_t>& image, const std::vector<job_packet>& jobs, unsigned threads) {
   walked_rays all(jobs.size());

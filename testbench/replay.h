@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "modules/formats/packets.h"
@@ -26,6 +27,9 @@ struct walked_ray {
   bool hit;
   bool overflow;
 };
+
+/// Why a design can't be replayed, as the words of an error; empty if it can.
+std::string replay_obstacle(const design& d, const surroundings& s);
 
 /// The walks of all jobs of a run, in their order. They serve every core count, policy, source and sink.
 struct walked_rays {

@@ -1,0 +1,133 @@
+#include "testbench/record_command.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "modules/config/error.h"
+#include "modules/config/files.h"
+#include "testbench/job_file.h"
+#include "testbench/replay.h"
+#include "testbench/run_setup.h"
+#include "testbench/summary.h"
+
+namespace rtusim {
+namespace {
+
+using json = nlohmann::ordered_json;
+
+json read_record(const std::filesystem::path& file) {
+  const json all = json::parse(config::read_file(file), nullptr, false);
+  const auto expected = fmt::format("a statistics file of version {}, as `rtusim run --stats` writes it", run_record::version);
+  if (!all.is_object() || !all.contains("format") || all["format"] != "rtusim statistics")
+    throw input_error(file.string(), "no statistics file", expected);
+  if (!all.contains("version") || all["version"] != run_record::version)
+    throw input_error(file.string(), "version " + (all.contains("version") ? all["version"].dump() : std::string("none")), expected);
+  for (const char* part : {"inputs", "parameters", "statistics", "simulator"})
+    if (!all.contains(part) || !all[part].is_object()) throw input_error(file.string(), std::string("no object ") + part, expected);
+  return all;
+}
+
+/// All values of a tree by their path, in its order.
+void flatten(const json& from, const std::string& key, std::vector<std::pair<std::string, json>>& to) {
+  if (!from.is_object()) {
+    to.emplace_back(key, from);
+    return;
+  }
+  for (const auto& [name, value] : from.items()) flatten(value, key.empty() ? name : key + '.' + name, to);
+}
+
+std::string shown(const json* value) {
+  if (value == nullptr) return "-";
+  if (value->is_string()) return value->get<std::string>().empty() ? "\"\"" : value->get<std::string>();
+  if (value->is_array() && value->size() > 8) return fmt::format("{} values", value->size());
+  if (value->is_number_float()) return fmt::format("{:.6g}", value->get<double>());
+  return value->dump(-1, ' ', false, json::error_handler_t::replace);
+}
+
+std::string change(const json* a, const json* b) {
+  if (a == nullptr || b == nullptr || !a->is_number() || !b->is_number()) return {};
+  const double from = a->get<double>(), to = b->get<double>();
+  if (from == 0) return {};
+  const double percent = 100 * (to - from) / std::fabs(from);
+  return fmt::format("{:+.2f} %", percent);
+}
+
+/// The rows of one part of two records.
+std::string differences_of(const char* part, const json& a, const json& b) {
+  std::vector<std::pair<std::string, json>> left, right;
+  flatten(a[part], "", left);
+  flatten(b[part], "", right);
+  std::map<std::string, const json*> in_right, in_left;
+  for (const auto& [key, value] : right) in_right[key] = &value;
+  for (const auto& [key, value] : left) in_left[key] = &value;
+  std::string text;
+  const auto row = [&](const std::string& key, const json* x, const json* y) {
+    text += fmt::format("  {:<44} {:>16}  {:>16}  {:>10}\n", key, shown(x), shown(y), change(x, y));
+  };
+  for (const auto& [key, value] : left) {
+    const auto other = in_right.find(key);
+    if (other == in_right.end())
+      row(key, &value, nullptr);
+    else if (*other->second != value)
+      row(key, &value, other->second);
+  }
+  for (const auto& [key, value] : right)
+    if (in_left.count(key) == 0) row(key, nullptr, &value);
+  return text.empty() ? text : fmt::format("{}\n{}", part, text);
+}
+
+}  // namespace
+
+void rerun(const rerun_options& o) {
+  const json old = read_record(o.record);
+  if (!o.statistics.empty()) config::check_writable(o.statistics);
+  const run_setup s(nlohmann::json::parse(old["parameters"].dump()), o.record.string());
+  const loaded_model model(s);
+  const std::string job_file = old["inputs"].value("jobs", "");
+  const std::vector<job_packet> jobs = job_file.empty() ? model.jobs(s, 2) : read_jobs(job_file);
+
+  run_record record;
+  record.inputs = inputs_of(s, model, jobs);
+  for (const char* name : {"scene", "architecture", "jobs"}) record.inputs[name] = old["inputs"].value(name, "");
+  for (const char* name : {"model_crc32", "jobs_crc32"})
+    if (old["inputs"].value(name, "") != record.inputs[name])
+      throw input_error(o.record.string(), fmt::format("inputs.{} = {}", name, old["inputs"].value(name, "none")),
+                        fmt::format("{}, of what lies there now", record.inputs[name].get<std::string>()));
+  run_figures figures;
+  simulator_figures speed;
+  speed.pace = old["simulator"].value("pace", "");
+  if (speed.pace == "replay" && replay_obstacle(s.unit, s.bench).empty()) {
+    figures = replay(s.unit, s.bench, model.octree(), jobs, 2, {});
+  } else {
+    simulation sim(s.unit, s.bench, model.view(), jobs, pace::skipping);
+    sim.run();
+    figures = sim.figures();
+  }
+  config::report statistics;
+  figures.describe(statistics);
+  record.parameters = s.parameters.values();
+  record.statistics = statistics.values();
+  record.simulator = old["simulator"];
+  if (!o.statistics.empty()) write_record(o.statistics, record);
+
+  const json now{{"parameters", record.parameters}, {"statistics", record.statistics}};
+  const std::string differences = differences_of("parameters", old, now) + differences_of("statistics", old, now);
+  if (!differences.empty()) {
+    fmt::print("{}", differences);
+    throw simulation_error(o.record.string() + ": run again, figures differ");
+  }
+  if (!o.quiet) fmt::print("the same figures again: {} cycles, checksum {}\n", figures.results.last_result, shown(&record.statistics["checksum"]));
+}
+
+std::string difference_text(const std::filesystem::path& a, const std::filesystem::path& b) {
+  const json left = read_record(a), right = read_record(b);
+  std::string text;
+  for (const char* part : {"inputs", "parameters", "statistics"}) text += differences_of(part, left, right);
+  return text;
+}
+
+}  // namespace rtusim

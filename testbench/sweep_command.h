@@ -1,0 +1,34 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+namespace rtusim {
+
+/// What `rtusim sweep` was asked for.
+struct sweep_options {
+  enum class engine : unsigned char { local, slurm };
+
+  std::filesystem::path file;
+  std::filesystem::path out;         ///< folder of the results
+  unsigned jobs = 1;                 ///< worker processes, or tasks of the array
+  engine how = engine::local;
+  std::string share;                 ///< "I/N": only the points with number modulo N = I, and no table: for one of N machines
+  bool quiet = false;
+};
+
+/// Runs each point of a sweep file that has no result yet, and gathers all in two tables.
+///
+/// In `out`: `points/HASH/` with the statistics file and pictures of each point, named by a hash of all that determines it; `results.csv`, a
+/// row a point in the order of the plan: point, scene, architecture, a column for each axis, status, reason, a column for each figure;
+/// `results.json`, the same. A point's folder appears only when it is whole, so what is there after an interruption counts, and
+/// what two sweeps share is run once. A point that fails is a row with its reason, and is tried again the next time.
+///
+/// Each point runs in a process of its own. Points with the same rays share their walks, where the schedule follows from these
+/// (see `replay`).
+/// Errors: input_error for the sweep file, a folder that holds something else, a table that can't be written, a Slurm that is not there;
+/// simulation_error when it is interrupted.
+void sweep(const sweep_options& o);
+
+}  // namespace rtusim
