@@ -9,12 +9,6 @@ void rotating_select::select(unsigned line, cycle c) {
   remember(c, line);
 }
 
-void rotating_select::set_line(unsigned i, bool on) {
-  if (line(i) == on) return;
-  bits_[i / 64] ^= std::uint64_t{1} << (i % 64);
-  on ? ++on_ : --on_;
-}
-
 unsigned rotating_select::lowest() const { return first_from(0); }
 
 unsigned rotating_select::first_from(unsigned line) const {

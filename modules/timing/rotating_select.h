@@ -25,7 +25,13 @@ class rotating_select final : public pattern {
   void select(unsigned line, cycle c);
 
   bool line(unsigned i) const { return bits_[i / 64] >> (i % 64) & 1; }
-  void set_line(unsigned i, bool on);
+  void set_line(unsigned i, bool on) {
+    const std::uint64_t bit = std::uint64_t{1} << (i % 64);
+    std::uint64_t& word = bits_[i / 64];
+    if (((word & bit) != 0) == on) return;
+    word ^= bit;
+    on_ += on ? 1u : ~0u;
+  }
   bool any() const { return on_ != 0; }
   /// The lowest line that is 1; there must be one.
   unsigned lowest() const;
