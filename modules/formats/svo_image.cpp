@@ -1,6 +1,7 @@
 #include "modules/formats/svo_image.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "modules/config/error.h"
@@ -87,6 +88,24 @@ std::vector<std::uint32_t> children_first(const svo_image& image, const std::str
   return order;
 }
 
+// The least box around what is filled of a descriptor's cube, in its edges: exact in binary32 up to 24 levels.
+struct filled_box {
+  std::array<float, 3> lower{1, 1, 1};
+  std::array<float, 3> upper{0, 0, 0};
+
+  bool empty() const { return lower[0] > upper[0]; }
+  // Grows to hold the box of the child in `slot`.
+  void add(const filled_box& child, unsigned slot) {
+    if (child.empty()) return;
+    for (unsigned k = 0; k < 3; ++k) {
+      const float half = ((slot >> k) & 1) != 0 ? 0.5f : 0.0f;
+      lower[k] = std::min(lower[k], half + child.lower[k] / 2);
+      upper[k] = std::max(upper[k], half + child.upper[k] / 2);
+    }
+  }
+};
+constexpr filled_box whole_box{{0, 0, 0}, {1, 1, 1}};
+
 }  // namespace
 
 svo_image read_svo(const std::filesystem::path& file, const svo_limits& limits) {
@@ -110,12 +129,16 @@ svo_image read_svo(const std::filesystem::path& file, const svo_limits& limits) 
 void check_svo(const svo_image& image, const std::string& place, const svo_limits& limits) { children_first(image, place, limits); }
 
 void write_svo(const std::filesystem::path& file, const svo_image& image) {
-  std::string bytes;
-  bytes.reserve(image.words.size() * word_bytes);
-  for (const std::uint32_t word : image.words)
-    for (std::size_t b = 0; b < word_bytes; ++b) bytes.push_back(static_cast<char>((word >> (8 * b)) & 0xff));
+  constexpr std::size_t chunk_bytes = std::size_t{1} << 20;
   config::output_file out(file);
-  out.write(bytes);
+  std::string chunk;
+  for (const std::uint32_t word : image.words) {
+    for (std::size_t b = 0; b < word_bytes; ++b) chunk.push_back(static_cast<char>((word >> (8 * b)) & 0xff));
+    if (chunk.size() < chunk_bytes) continue;
+    out.write(chunk);
+    chunk.clear();
+  }
+  out.write(chunk);
   out.commit();
 }
 
@@ -127,6 +150,7 @@ svo_summary describe(const svo_image& image, const std::string& place, const svo
 
   std::vector<std::uint8_t> levels(image.words.size());
   std::vector<double> share(image.words.size());  // of the descriptor's own cube; exact in binary up to 17 levels
+  std::vector<filled_box> boxes(image.words.size());
   std::vector<std::uint64_t> far_words;
   for (const std::uint32_t entry : order) {
     const std::uint32_t word = image.words[entry];
@@ -136,12 +160,16 @@ svo_summary describe(const svo_image& image, const std::string& place, const svo
     double filled = leaves;
     if (const unsigned nodes = child_nodes(word); nodes != 0) {
       if (is_far(word)) far_words.push_back(std::uint64_t{entry} + child_pointer(word));
-      const std::uint64_t group = child_group(image, entry);
-      for (std::uint64_t child = group; child < group + nodes; ++child) {
+      std::uint64_t child = child_group(image, entry);
+      for (unsigned slot = 0; slot < 8; ++slot) {
+        if (((node_mask(word) >> slot) & 1) == 0) continue;
         below = std::max(below, levels[child]);
         filled += share[child];
+        boxes[entry].add(boxes[child++], slot);
       }
     }
+    for (unsigned slot = 0; slot < 8; ++slot)
+      if (is_leaf(word, slot)) boxes[entry].add(whole_box, slot);
     levels[entry] = static_cast<std::uint8_t>(below + 1);
     share[entry] = filled / 8;
   }
@@ -149,6 +177,10 @@ svo_summary describe(const svo_image& image, const std::string& place, const svo
   summary.far_words = static_cast<std::uint64_t>(std::unique(far_words.begin(), far_words.end()) - far_words.begin());
   summary.levels = levels[0];
   summary.filled_share = share[0];
+  if (!boxes[0].empty()) {
+    std::copy(boxes[0].lower.begin(), boxes[0].lower.end(), summary.lower.begin());
+    std::copy(boxes[0].upper.begin(), boxes[0].upper.end(), summary.upper.begin());
+  }
   summary.filled_voxels = static_cast<std::uint64_t>(std::ldexp(share[0], 3 * static_cast<int>(summary.levels)));
   return summary;
 }
