@@ -50,8 +50,8 @@ struct setup {
       // A path in a scene file starts at its folder; one on the command line starts here.
       if (!what.model.model.empty()) what.model.model = (o.scene.parent_path() / what.model.model).string();
     }
-    // An octree in place of the scene's mesh leaves nothing to divide into voxels.
-    if (is_octree(o.model)) parameters.forget("scene.resolution");
+    // Voxels in place of the scene's mesh leave nothing to divide.
+    if (holds_voxels(o.model)) parameters.forget("scene.resolution");
     for (const std::string& a : o.assignments) parameters.set(a);
     if (!o.model.empty()) what.model.model = o.model.string();
     parameters.check_read();
@@ -149,10 +149,10 @@ void run(const run_options& o) {
   for (const auto& image : o.images) kinds.push_back(kind_of(image));
   const auto window = window_of(o);
   check_outputs(o);
-  const picture_preparation pictures(!o.images.empty());
 
   const svo_limits limits{s.unit.memory_.address_bits, s.unit.svo_core.stack_depth};
-  const svo_image image = load_model(s.what.model.model, s.what.model.resolution, limits);
+  const svo_image image = load_model(s.what.model.model, s.what.model.resolution, limits);  // forks: no thread before it
+  const picture_preparation pictures(!o.images.empty());
   const std::vector<job_packet> jobs =
       o.jobs.empty() ? camera_jobs(s.what.view, s.what.picture, s.unit.driver.last_sign_only, 0, 2) : read_jobs(o.jobs);
   if (!o.save_jobs.empty()) write_jobs(o.save_jobs, jobs);
