@@ -230,7 +230,7 @@ open_edges find_open_edges(const mesh& m) {
   for (std::uint32_t n = 0; n < m.triangles.size(); ++n)
     for (std::size_t k = 0; k < 3; ++k) {
       const std::uint32_t a = m.triangles[n][k], b = m.triangles[n][(k + 1) % 3];
-      sides.push_back({std::min(a, b), std::max(a, b), a < b ? 1 : -1, n});
+      if (a != b) sides.push_back({std::min(a, b), std::max(a, b), a < b ? 1 : -1, n});
     }
   const auto key = [](const side& s) { return std::tie(s.lesser, s.greater, s.triangle); };
   std::sort(sides.begin(), sides.end(), [&](const side& a, const side& b) { return key(a) < key(b); });

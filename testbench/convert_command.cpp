@@ -20,20 +20,20 @@
 namespace rtusim {
 namespace {
 
-const std::string resolutions = fmt::format("a power of two from {} to {}", voxel_grid::least_resolution, voxel_grid::most_resolution);
+std::string resolutions() { return fmt::format("a power of two from {} to {}", voxel_grid::least_resolution, voxel_grid::most_resolution); }
 
 void check_options(const convert_options& o) {
   if (o.to.extension() != ".svo" && o.to.extension() != ".binvox")
     throw input_error(o.to.string(), fmt::format("an output ending in \"{}\"", o.to.extension().string()), ".svo or .binvox");
   if (o.resolution && !voxel_grid::is_resolution(*o.resolution))
-    throw input_error("--resolution", std::to_string(*o.resolution), resolutions);
+    throw input_error("--resolution", std::to_string(*o.resolution), resolutions());
   if (holds_voxels(o.from)) {
     const std::pair<const char*, bool> of_meshes[] = {
         {"--solid", o.solid}, {"--up", o.up.has_value()}, {"--margin", o.margin.has_value()}, {"--fit", o.fit.has_value()}};
     for (const auto& [name, given] : of_meshes)
       if (given) throw input_error(name, fmt::format("given with {}, which holds voxels", o.from.string()), "a mesh with it");
   } else if (!o.resolution) {
-    throw input_error("convert", "no --resolution", resolutions);
+    throw input_error("convert", "no --resolution", resolutions());
   }
   if (o.margin && 2 * std::uint64_t{*o.margin} >= *o.resolution)
     throw input_error("--margin", std::to_string(*o.margin), fmt::format("less than half of the {} voxels an edge", *o.resolution));
@@ -49,7 +49,6 @@ void stand_up(mesh& m, const std::string& direction) {
 }
 
 voxel_grid voxels_of_mesh(const convert_options& o, const progress_line& line) {
-  line.show("reading", 0);
   mesh m = read_mesh(o.from);
   stand_up(m, o.up.value_or("y"));
   const unsigned resolution = *o.resolution;
@@ -70,6 +69,7 @@ voxel_grid voxels_of_octree(const convert_options& o) {
 }
 
 voxel_grid load(const convert_options& o, const progress_line& line) {
+  line.show("reading", 0);
   if (is_octree(o.from)) return voxels_of_octree(o);
   if (is_binvox(o.from)) return read_binvox(o.from, o.resolution.value_or(0));
   return voxels_of_mesh(o, line);

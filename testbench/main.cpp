@@ -67,7 +67,7 @@ void add_run(CLI::App& app, run_options& o) {
   app.add_option("SCENE.toml", o.scene, "what is traced")->type_name("");
   app.add_option("--arch", o.architecture, "the design, a TOML file")->type_name("FILE");
   app.add_option("--set", o.assignments, "a parameter; see 'rtusim explain'")->type_name("KEY=VALUE")->allow_extra_args(false);
-  app.add_option("--model", o.model, "an octree (.svo) or a mesh in place of the scene's")->type_name("FILE");
+  app.add_option("--model", o.model, "an octree (.svo), voxels (.binvox) or a mesh in place of the scene's")->type_name("FILE");
   app.add_option("--jobs", o.jobs, "rays as job packets in place of the camera's")->type_name("FILE");
   app.add_option("--save-jobs", o.save_jobs, "keep the job packets")->type_name("FILE");
   add_pace(app, o.how);

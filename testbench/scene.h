@@ -27,11 +27,12 @@ struct scene {
   static const std::set<std::string>& sections();
 };
 
-/// What holds any octree that a file may have: a file is described and converted even if the usual design can't hold it.
-inline constexpr svo_limits widest_limits{28, 20};
+/// What holds more than the usual design does: files are described and converted beyond it. 256 MB, as deep as can be counted.
+inline constexpr svo_limits widest_limits{26, 20};
 
-/// The octree of a model: an `.svo` as it is; a `.binvox` as its voxels; a mesh (see `read_mesh`) as its surface voxels, `resolution` an
-/// edge. Errors: input_error for a file that can't be used, a resolution that is no power of two, an octree beyond `limits`.
+/// The octree of a model: an `.svo` as it is; a `.binvox` as its voxels; a mesh (see `read_mesh`) as its surface voxels, `resolution`
+/// an edge.
+/// Errors: input_error for a file that can't be used, a resolution that is no power of two, an octree beyond `limits`.
 svo_image load_model(const std::filesystem::path& file, unsigned resolution, const svo_limits& limits);
 
 /// Whether the file's name is that of an octree (.svo) or of voxels (.binvox), zipped or not.

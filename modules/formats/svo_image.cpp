@@ -1,7 +1,6 @@
 #include "modules/formats/svo_image.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "modules/config/error.h"
@@ -88,23 +87,31 @@ std::vector<std::uint32_t> children_first(const svo_image& image, const std::str
   return order;
 }
 
-// The least box around what is filled of a descriptor's cube, in its edges: exact in binary32 up to 24 levels.
-struct filled_box {
-  std::array<float, 3> lower{1, 1, 1};
-  std::array<float, 3> upper{0, 0, 0};
+// The least and the greatest coordinate, along one axis, of what is filled of a descriptor's cube, in its edges: exact in binary32 up to
+// 24 levels.
+struct filled_span {
+  float lower = 1, upper = 0;
 
-  bool empty() const { return lower[0] > upper[0]; }
-  // Grows to hold the box of the child in `slot`.
-  void add(const filled_box& child, unsigned slot) {
-    if (child.empty()) return;
-    for (unsigned k = 0; k < 3; ++k) {
-      const float half = ((slot >> k) & 1) != 0 ? 0.5f : 0.0f;
-      lower[k] = std::min(lower[k], half + child.lower[k] / 2);
-      upper[k] = std::max(upper[k], half + child.upper[k] / 2);
-    }
+  // Grows to hold that of the half in which a child's cube lies; an empty one changes nothing.
+  void add(const filled_span& child, bool upper_half) {
+    if (child.lower > child.upper) return;
+    const float half = upper_half ? 0.5f : 0.0f;
+    lower = std::min(lower, half + child.lower / 2);
+    upper = std::max(upper, half + child.upper / 2);
   }
 };
-constexpr filled_box whole_box{{0, 0, 0}, {1, 1, 1}};
+
+// That of an image; `order` has children before parents.
+filled_span span_along(unsigned axis, const svo_image& image, const std::vector<std::uint32_t>& order) {
+  std::vector<filled_span> spans(image.words.size());
+  for (const std::uint32_t entry : order) {
+    const std::uint32_t word = image.words[entry];
+    std::uint64_t child = child_nodes(word) == 0 ? 0 : child_group(image, entry);
+    for (unsigned slot = 0; slot < 8; ++slot)
+      if (is_valid(word, slot)) spans[entry].add(is_leaf(word, slot) ? filled_span{0, 1} : spans[child++], ((slot >> axis) & 1) != 0);
+  }
+  return spans[0];
+}
 
 }  // namespace
 
@@ -150,7 +157,6 @@ svo_summary describe(const svo_image& image, const std::string& place, const svo
 
   std::vector<std::uint8_t> levels(image.words.size());
   std::vector<double> share(image.words.size());  // of the descriptor's own cube; exact in binary up to 17 levels
-  std::vector<filled_box> boxes(image.words.size());
   std::vector<std::uint64_t> far_words;
   for (const std::uint32_t entry : order) {
     const std::uint32_t word = image.words[entry];
@@ -160,16 +166,12 @@ svo_summary describe(const svo_image& image, const std::string& place, const svo
     double filled = leaves;
     if (const unsigned nodes = child_nodes(word); nodes != 0) {
       if (is_far(word)) far_words.push_back(std::uint64_t{entry} + child_pointer(word));
-      std::uint64_t child = child_group(image, entry);
-      for (unsigned slot = 0; slot < 8; ++slot) {
-        if (((node_mask(word) >> slot) & 1) == 0) continue;
+      const std::uint64_t group = child_group(image, entry);
+      for (std::uint64_t child = group; child < group + nodes; ++child) {
         below = std::max(below, levels[child]);
         filled += share[child];
-        boxes[entry].add(boxes[child++], slot);
       }
     }
-    for (unsigned slot = 0; slot < 8; ++slot)
-      if (is_leaf(word, slot)) boxes[entry].add(whole_box, slot);
     levels[entry] = static_cast<std::uint8_t>(below + 1);
     share[entry] = filled / 8;
   }
@@ -177,11 +179,12 @@ svo_summary describe(const svo_image& image, const std::string& place, const svo
   summary.far_words = static_cast<std::uint64_t>(std::unique(far_words.begin(), far_words.end()) - far_words.begin());
   summary.levels = levels[0];
   summary.filled_share = share[0];
-  if (!boxes[0].empty()) {
-    std::copy(boxes[0].lower.begin(), boxes[0].lower.end(), summary.lower.begin());
-    std::copy(boxes[0].upper.begin(), boxes[0].upper.end(), summary.upper.begin());
-  }
   summary.filled_voxels = static_cast<std::uint64_t>(std::ldexp(share[0], 3 * static_cast<int>(summary.levels)));
+  for (unsigned k = 0; k < 3 && summary.leaves != 0; ++k) {
+    const filled_span s = span_along(k, image, order);
+    summary.lower[k] = s.lower;
+    summary.upper[k] = s.upper;
+  }
   return summary;
 }
 

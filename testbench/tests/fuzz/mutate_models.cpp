@@ -210,7 +210,7 @@ void read_as_mesh(const std::filesystem::path& file) {
 void read_as_voxels(const std::filesystem::path& file) { build_svo(read_binvox(file), file.string()); }
 
 void read_as_octree(const std::filesystem::path& file) {
-  const svo_limits limits{28, 20};
+  const svo_limits limits{26, 20};
   const svo_image image = read_svo(file, limits);
   describe(image, file.string(), limits);
   coarse_voxels_of(image, 64);
@@ -246,7 +246,7 @@ std::vector<format> formats() {
 
 std::size_t below(rng& random, std::size_t size) { return size == 0 ? 0 : random() % size; }
 
-// Puts an extreme in the place of a number of a text.
+// Puts an extreme in the place of a number of a text, or one that may be sound.
 void replace_number(std::string& s, rng& random) {
   constexpr const char* extremes[] = {
       "0",   "-1",   "1e308", "-1e-308", "nan", "inf",   "4294967295", "4294967296", "2147483648", "999999999", "18446744073709551616",
@@ -255,7 +255,7 @@ void replace_number(std::string& s, rng& random) {
   const std::size_t from = s.find_first_of(digits, below(random, s.size()));
   if (from == s.npos) return;
   const std::size_t to = std::min(s.find_first_not_of("0123456789.eE", from), s.size());
-  s.replace(from, to - from, extremes[below(random, std::size(extremes))]);
+  s.replace(from, to - from, random() % 2 == 0 ? extremes[below(random, std::size(extremes))] : fmt::format("{}", random() % 200));
 }
 
 void replace_word(std::string& s, rng& random) {
