@@ -17,7 +17,6 @@
 #include <string_view>
 #include <system_error>
 #include <type_traits>
-#include <vector>
 
 #include "modules/config/error.h"
 

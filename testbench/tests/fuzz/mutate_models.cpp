@@ -13,6 +13,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
@@ -303,6 +304,7 @@ std::string mutant(const format& f, unsigned number) {
 
 enum class ending : std::uint8_t { accepted, refused, contained, faulty };
 constexpr std::size_t endings = 4;
+constexpr int first_status = 20;  // the sanitizers end with 1
 
 // In the child.
 ending try_reading(const format& f, const std::filesystem::path& file) {
@@ -329,7 +331,7 @@ bool run_case(const format& f, unsigned number, const test::scratch_folder& fold
   const pid_t child = fork();
   if (child == 0) {
     alarm(most_seconds);
-    _exit(static_cast<int>(try_reading(f, file)));
+    _exit(first_status + static_cast<int>(try_reading(f, file)));
   }
   int status = 0;
   rusage use{};
@@ -337,8 +339,9 @@ bool run_case(const format& f, unsigned number, const test::scratch_folder& fold
   const auto seconds = [](const timeval& t) { return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec); };
   sum.kilobytes = std::max(sum.kilobytes, use.ru_maxrss);
   sum.seconds = std::max(sum.seconds, seconds(use.ru_utime) + seconds(use.ru_stime));
-  const bool ended = WIFEXITED(status) && WEXITSTATUS(status) < static_cast<int>(endings);
-  const auto how = ended ? static_cast<ending>(WEXITSTATUS(status)) : ending::faulty;
+  const int ended_with = WIFEXITED(status) ? WEXITSTATUS(status) - first_status : -1;
+  const bool ended = ended_with >= 0 && ended_with < static_cast<int>(endings);
+  const auto how = ended ? static_cast<ending>(ended_with) : ending::faulty;
   ++sum.count[static_cast<std::size_t>(how)];
   if (how != ending::faulty && use.ru_maxrss <= most_kilobytes) return true;
   const std::string kept = fmt::format("mutant-{}-{}{}", f.name, number, f.ending());

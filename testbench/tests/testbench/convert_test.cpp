@@ -14,6 +14,7 @@
 #include "testbench/info_command.h"
 #include "testbench/scene.h"
 #include "testbench/tests/scratch.h"
+#include "testbench/voxel_views.h"
 
 namespace rtusim {
 namespace {
@@ -152,6 +153,27 @@ TEST_CASE("info: octrees, voxels and meshes", "[convert]") {
   folder.file("none.binvox", "#binvox 1\ndim 2 2 2\ndata\n" + std::string("\0\x08", 2));
   CHECK(info_text(folder / "none.binvox") == "voxels in a cube of 2 an edge, none filled\n");
   CHECK_THAT(info_text(data + "teapot.bpt"), Catch::Contains(" 160 open edges\n"));
+}
+
+TEST_CASE("info: the slices stand as on a drawing", "[convert]") {
+  voxel_grid grid(4);
+  grid.fill(0, 3, 2);  // in the slice of z: to the left, above
+  grid.fill(2, 0, 3);  // in that of x, z to the left: to the left, below
+  grid.fill(3, 2, 0);  // in that of y, z downwards: to the right, above
+  const rgb_picture sheet = voxel_views(grid, {0, 0, 0}, {1, 1, 1});
+  REQUIRE(sheet.samples.size() == std::size_t{3} * sheet.width * sheet.height);
+  // The eighths of a panel's edge, from above left; panels from above left, too.
+  const auto is_filled = [&](unsigned column, unsigned row, unsigned x, unsigned y) {
+    const unsigned panel = sheet.width / 2, px = column * panel + panel * x / 8, py = row * panel + panel * y / 8;
+    return sheet.samples[3 * (std::size_t{py} * sheet.width + px)] < 100;
+  };
+  for (unsigned j = 1; j < 8; j += 2)
+    for (unsigned i = 1; i < 8; i += 2) {
+      CAPTURE(i, j);
+      CHECK(is_filled(0, 1, i, j) == (i == 1 && j == 1));
+      CHECK(is_filled(1, 1, i, j) == (i == 1 && j == 7));
+      CHECK(is_filled(0, 0, i, j) == (i == 7 && j == 1));
+    }
 }
 
 }  // namespace rtusim
