@@ -23,6 +23,7 @@
 #include "modules/config/error.h"
 #include "modules/config/files.h"
 #include "scenes/bezier_patches.h"
+#include "scenes/enclosure.h"
 #include "scenes/gltf_filter.h"
 #include "scenes/mesh_file_checks.h"
 #include "scenes/polygon.h"
@@ -59,6 +60,7 @@ struct mesh_name {
 class checked_files : public Assimp::IOSystem {
  public:
   checked_files(std::string name, std::string bytes, bool others) : main_(std::move(name)), others_(others) {
+    allowance_.admit(bytes.size());
     files_.emplace(main_, std::move(bytes));
   }
   bool Exists(const char* name) const override {
@@ -72,6 +74,7 @@ class checked_files : public Assimp::IOSystem {
     if (found == files_.end()) {
       try {
         found = files_.emplace(name, config::read_file(name, most_file_bytes)).first;
+        allowance_.admit(found->second.size());
       } catch (const input_error&) {
         failure_ = std::current_exception();
         return nullptr;
@@ -88,6 +91,7 @@ class checked_files : public Assimp::IOSystem {
   std::string main_;
   bool others_;
   std::map<std::string, std::string> files_;
+  import_allowance allowance_;
   std::exception_ptr failure_;
 };
 
@@ -204,6 +208,46 @@ bounding_box bounds(const mesh& m) {
   return box;
 }
 
+void turn_up(mesh& m, unsigned axis, bool negative) {
+  RTU_CHECK(axis, <, 3U);
+  const double sign = negative ? -1 : 1;
+  for (glm::dvec3& v : m.vertices) {
+    if (axis == 0) v = {-sign * v.y, sign * v.x, v.z};
+    if (axis == 1) v = {v.x, sign * v.y, sign * v.z};
+    if (axis == 2) v = {v.x, sign * v.z, -sign * v.y};
+  }
+}
+
+open_edges find_open_edges(const mesh& m) {
+  // An edge by its lesser and its greater vertex; `way` is +1 where a triangle runs so and -1 where it runs back.
+  struct side {
+    std::uint32_t lesser, greater;
+    std::int32_t way;
+    std::uint32_t triangle;
+  };
+  std::vector<side> sides;
+  sides.reserve(3 * m.triangles.size());
+  for (std::uint32_t n = 0; n < m.triangles.size(); ++n)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t a = m.triangles[n][k], b = m.triangles[n][(k + 1) % 3];
+      if (a != b) sides.push_back({std::min(a, b), std::max(a, b), a < b ? 1 : -1, n});
+    }
+  const auto key = [](const side& s) { return std::tie(s.lesser, s.greater, s.triangle); };
+  std::sort(sides.begin(), sides.end(), [&](const side& a, const side& b) { return key(a) < key(b); });
+  open_edges found;
+  const side* first = nullptr;
+  for (std::size_t i = 0, next = 0; i < sides.size(); i = next) {
+    std::int64_t balance = 0;
+    for (next = i; next < sides.size() && sides[next].lesser == sides[i].lesser && sides[next].greater == sides[i].greater; ++next)
+      balance += sides[next].way;
+    if (balance == 0) continue;
+    ++found.count;
+    if (first == nullptr || sides[i].triangle < first->triangle) first = &sides[i];
+  }
+  if (first != nullptr) found.first = {m.vertices[first->lesser], m.vertices[first->greater]};
+  return found;
+}
+
 mesh read_mesh(const std::filesystem::path& file, unsigned patch_quads) {
   const std::string place = file.string();
   const mesh_name name(file);
@@ -217,7 +261,11 @@ mesh read_mesh(const std::filesystem::path& file, unsigned patch_quads) {
   if (name.ending == ".obj") check_obj(bytes, place);
   if (name.ending == ".stl") check_stl(bytes, place);
   if (name.ending == ".gltf" || name.ending == ".glb") bytes = filter_gltf(bytes, name.ending == ".glb", place, most_vertices);
-  mesh m = name.ending == ".bpt" ? tessellate(parse_bpt(bytes, place), patch_quads) : import_mesh(name, std::move(bytes), place);
+  mesh m;
+  if (name.ending == ".bpt")
+    m = tessellate(parse_bpt(bytes, place), patch_quads);
+  else
+    m = enclosed(place, [&] { return import_mesh(name, std::move(bytes), place); });
 
   for (std::size_t v = 0; v < m.vertices.size(); ++v)
     for (int k = 0; k < 3; ++k)

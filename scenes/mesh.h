@@ -28,10 +28,24 @@ struct bounding_box {
 /// Of the vertices that the triangles use; all zero without triangles.
 bounding_box bounds(const mesh& m);
 
+/// Turns a mesh so that the direction of `axis` (0 to 2 for x to z), or the opposite one if `negative`, comes to point along y.
+void turn_up(mesh& m, unsigned axis, bool negative);
+
+/// An edge of triangles from which a surface is missing.
+struct open_edges {
+  std::uint64_t count = 0;
+  std::array<glm::dvec3, 2> first{};  ///< the ends of that of the first triangle that has one
+};
+
+/// The edges along which as many triangles run one way as the other are closed, usually one each way; this counts the rest. A mesh without
+/// any bounds a volume.
+open_edges find_open_edges(const mesh& m);
+
 /// Reads PLY, OBJ, STL and glTF, each also zipped (`.ply.gz`), and Bezier patches (`.bpt`), told apart by the name's ending.
 ///
 /// Polygons become triangles, the transforms of a glTF's nodes are applied, equal vertices become one; points and lines are
 /// left out, and so are triangles without area. `patch_quads` (1 to 256): quads along each side of a Bezier patch, see `tessellate`.
+/// The importer works in a child process, so that its faults end in an error; the caller has one thread alone (see `enclosed`).
 /// Errors: input_error when the file can't be read, is cut short or garbled, claims more elements than it has, or is a mesh
 /// without triangles, without extent (or one beyond 1e-60 to 1e60), with a vertex that is not finite or with a triangle over a
 /// vertex that is not there.

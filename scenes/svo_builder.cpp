@@ -125,19 +125,49 @@ class layer {
   std::vector<std::uint32_t> reversed_;
 };
 
-// Fills the voxels below the descriptor at `entry`, whose cube is number `index` of those of 8^level voxels.
-void fill_below(const svo_image& image, std::uint64_t entry, unsigned level, std::uint32_t index, voxel_grid& grid) {
-  RTU_CHECK(level, >=, 1U);
-  const std::uint32_t word = image.words[entry];
-  std::uint64_t child = child_nodes(word) == 0 ? 0 : child_group(image, entry);
-  for (unsigned c = 0; c < 8; ++c) {
-    if (!is_valid(word, c)) continue;
-    if (is_leaf(word, c))
-      grid.fill_cube(level - 1, index * 8 + c);
-    else
-      fill_below(image, child++, level - 1, index * 8 + c, grid);
+// Fills a grid with what an image holds.
+class filler {
+ public:
+  filler(const svo_image& image, voxel_grid& grid) : image_(image), grid_(grid) {}
+
+  // Fills the voxels below the descriptor at `entry`, whose cube is number `index` of those of 8^level voxels.
+  void fill_below(std::uint64_t entry, unsigned level, std::uint32_t index) {
+    if (level == 0) {
+      if (holds_leaf(entry)) grid_.fill_cube(0, index);
+      return;
+    }
+    const std::uint32_t word = image_.words[entry];
+    std::uint64_t child = child_nodes(word) == 0 ? 0 : child_group(image_, entry);
+    for (unsigned c = 0; c < 8; ++c) {
+      if (!is_valid(word, c)) continue;
+      if (is_leaf(word, c))
+        grid_.fill_cube(level - 1, index * 8 + c);
+      else
+        fill_below(child++, level - 1, index * 8 + c);
+    }
   }
-}
+  // Whether descriptors came that are finer than voxels.
+  bool met_finer() const { return !answers_.empty(); }
+
+ private:
+  enum class answer : std::uint8_t { unknown, no, yes };
+
+  // Whether there is a leaf in the descriptor's cube. Asks each once, as subtrees may be shared.
+  bool holds_leaf(std::uint64_t entry) {
+    if (answers_.empty()) answers_.resize(image_.words.size());
+    if (answers_[entry] != answer::unknown) return answers_[entry] == answer::yes;
+    const std::uint32_t word = image_.words[entry];
+    bool held = leaf_mask(word) != 0;
+    const std::uint64_t group = child_nodes(word) == 0 ? 0 : child_group(image_, entry);
+    for (unsigned child = 0; child < child_nodes(word) && !held; ++child) held = holds_leaf(group + child);
+    answers_[entry] = held ? answer::yes : answer::no;
+    return held;
+  }
+
+  const svo_image& image_;
+  voxel_grid& grid_;
+  std::vector<answer> answers_;
+};
 
 }  // namespace
 
@@ -149,7 +179,15 @@ svo_image build_svo(const voxel_grid& grid, const std::string& place, const svo_
 
 voxel_grid voxels_of(const svo_image& image, unsigned resolution) {
   voxel_grid grid(resolution);
-  fill_below(image, 0, grid.levels(), 0, grid);
+  filler f(image, grid);
+  f.fill_below(0, grid.levels(), 0);
+  RTU_CHECK(f.met_finer(), ==, false);
+  return grid;
+}
+
+voxel_grid coarse_voxels_of(const svo_image& image, unsigned resolution) {
+  voxel_grid grid(resolution);
+  filler(image, grid).fill_below(0, grid.levels(), 0);
   return grid;
 }
 

@@ -24,4 +24,7 @@ svo_image build_svo(const voxel_grid& grid, const std::string& place, const svo_
 /// The image is sound (`check_svo`).
 voxel_grid voxels_of(const svo_image& image, unsigned resolution);
 
+/// The same at any resolution: a voxel is filled if anything within it is.
+voxel_grid coarse_voxels_of(const svo_image& image, unsigned resolution);
+
 }  // namespace rtusim

@@ -33,8 +33,19 @@ class voxel_grid {
     const std::uint32_t i = morton(x, y, z);
     blocks_[i >> 6] |= std::uint64_t{1} << (i & 63);
   }
+  /// Fills the voxel if it is empty, empties it if it is filled.
+  void flip(unsigned x, unsigned y, unsigned z) {
+    const std::uint32_t i = morton(x, y, z);
+    blocks_[i >> 6] ^= std::uint64_t{1} << (i & 63);
+  }
   /// Fills the aligned cube of 8^`level` voxels that is number `index` in Morton order.
   void fill_cube(unsigned level, std::uint32_t index);
+
+  /// Fills a voxel if among those from the border up to it, itself included, an odd number is filled, and empties the others.
+  /// `axis`: the direction, 0 to 2 for x to z.
+  void accumulate_parity(unsigned axis);
+  /// Fills what `other` fills; both of one resolution.
+  voxel_grid& operator|=(const voxel_grid& other);
 
   /// How many voxels are filled.
   std::uint64_t count() const;

@@ -1,29 +1,79 @@
 #include "testbench/info_command.h"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
+#include "modules/config/error.h"
+#include "modules/config/files.h"
 #include "modules/formats/svo_image.h"
+#include "scenes/binvox.h"
 #include "scenes/mesh.h"
+#include "scenes/svo_builder.h"
+#include "scenes/voxeliser.h"
+#include "testbench/rgb_picture.h"
 #include "testbench/scene.h"
+#include "testbench/voxel_views.h"
 
 namespace rtusim {
+namespace {
 
-std::string info_text(const std::filesystem::path& file) {
-  if (is_octree(file)) {
-    // The widest address and the deepest stack: a file is described even if the usual design can't hold it.
-    const svo_limits limits{30, 20};
-    const svo_image image = read_svo(file, limits);
-    const svo_summary s = describe(image, file.string(), limits);
-    return fmt::format(
-        "octree of {} levels: {} voxels an edge\n"
-        "{:>12} bytes\n{:>12} nodes\n{:>12} far words\n{:>12} leaves\n{:>12} voxels filled ({:.3f} % of the cube)\n",
-        s.levels, std::uint64_t{1} << s.levels, s.bytes, s.nodes, s.far_words, s.leaves, s.filled_voxels, 100 * s.filled_share);
-  }
+constexpr unsigned mesh_picture_resolution = 256;
+
+std::string summary_text(const svo_summary& s) {
+  const auto edge = static_cast<double>(std::uint64_t{1} << s.levels);
+  std::string text =
+      fmt::format("{:>12} bytes\n{:>12} nodes\n{:>12} far words\n{:>12} leaves\n{:>12} voxels filled ({:.3f} % of the cube)\n", s.bytes,
+                  s.nodes, s.far_words, s.leaves, s.filled_voxels, 100 * s.filled_share);
+  for (std::size_t k = 0; k < 3 && s.leaves != 0; ++k)
+    text +=
+        fmt::format("{} {:>10.0f} to {:.0f}, the first and the last voxel filled\n", "xyz"[k], s.lower[k] * edge, s.upper[k] * edge - 1);
+  return text;
+}
+
+void draw(const std::filesystem::path& file, const voxel_grid& grid, const svo_summary& s) {
+  if (!file.empty()) write_png(file, voxel_views(grid, s.lower, s.upper));
+}
+
+std::string octree_text(const std::filesystem::path& file, const std::filesystem::path& image) {
+  const svo_image octree = read_svo(file, widest_limits);
+  const svo_summary s = describe(octree, file.string(), widest_limits);
+  if (!image.empty()) draw(image, coarse_voxels_of(octree, std::min(1U << s.levels, voxel_grid::most_resolution)), s);
+  return fmt::format("octree of {} levels: {} voxels an edge\n", s.levels, std::uint64_t{1} << s.levels) + summary_text(s);
+}
+
+std::string binvox_text(const std::filesystem::path& file, const std::filesystem::path& image) {
+  const voxel_grid grid = read_binvox(file);
+  const std::string text = fmt::format("voxels in a cube of {} an edge", grid.resolution());
+  svo_summary s;
+  if (grid.count() != 0) s = describe(build_svo(grid, file.string()), file.string(), widest_limits);
+  draw(image, grid, s);
+  if (s.levels == 0) return text + ", none filled\n";
+  return text + fmt::format("; as an octree of {} levels, {} voxels an edge:\n", s.levels, std::uint64_t{1} << s.levels) + summary_text(s);
+}
+
+std::string mesh_text(const std::filesystem::path& file, const std::filesystem::path& image) {
   const mesh m = read_mesh(file);
   const bounding_box box = bounds(m);
+  if (!image.empty()) {
+    const voxel_grid grid = voxelise_surface(m, mesh_picture_resolution);
+    draw(image, grid, describe(build_svo(grid, file.string()), file.string(), widest_limits));
+  }
   return fmt::format(
-      "mesh\n{:>12} vertices\n{:>12} triangles\nx {:>12.6g} to {:.6g}\ny {:>12.6g} to {:.6g}\nz {:>12.6g} to {:.6g}\n",
-      m.vertices.size(), m.triangles.size(), box.lower.x, box.upper.x, box.lower.y, box.upper.y, box.lower.z, box.upper.z);
+      "mesh\n{:>12} vertices\n{:>12} triangles\n{:>12} open edges\nx {:>12.6g} to {:.6g}\ny {:>12.6g} to {:.6g}\nz {:>12.6g} to {:.6g}\n",
+      m.vertices.size(), m.triangles.size(), find_open_edges(m).count, box.lower.x, box.upper.x, box.lower.y, box.upper.y, box.lower.z,
+      box.upper.z);
+}
+
+}  // namespace
+
+std::string info_text(const std::filesystem::path& file, const std::filesystem::path& image) {
+  if (!image.empty()) {
+    if (image.extension() != ".png") throw input_error(image.string(), "no picture format that we write", "NAME.png");
+    config::check_writable(image);
+  }
+  if (is_octree(file)) return octree_text(file, image);
+  return is_binvox(file) ? binvox_text(file, image) : mesh_text(file, image);
 }
 
 }  // namespace rtusim

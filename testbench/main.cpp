@@ -17,6 +17,7 @@
 
 #include "modules/config/error.h"
 #include "modules/config/schema.h"
+#include "testbench/convert_command.h"
 #include "testbench/explain_command.h"
 #include "testbench/info_command.h"
 #include "testbench/record_command.h"
@@ -68,7 +69,7 @@ void add_run(CLI::App& app, run_options& o) {
   app.add_option("SCENE.toml", o.scene, "what is traced")->type_name("");
   app.add_option("--arch", o.architecture, "the design, a TOML file")->type_name("FILE");
   app.add_option("--set", o.assignments, "a parameter; see 'rtusim explain'")->type_name("KEY=VALUE")->allow_extra_args(false);
-  app.add_option("--model", o.model, "an octree (.svo) or a mesh in place of the scene's")->type_name("FILE");
+  app.add_option("--model", o.model, "an octree (.svo), voxels (.binvox) or a mesh in place of the scene's")->type_name("FILE");
   app.add_option("--jobs", o.jobs, "rays as job packets in place of the camera's")->type_name("FILE");
   app.add_option("--save-jobs", o.save_jobs, "keep the job packets")->type_name("FILE");
   add_pace(app, o.how);
@@ -103,6 +104,26 @@ void add_sweep(CLI::App& app, sweep_options& o) {
   app.add_option("--share", o.share, "only the points with number modulo N = I, and no table: for one of N machines")->type_name("I/N");
   app.add_flag("--quiet", o.quiet, "no summary");
   app.footer("What is done stays: an interrupted sweep goes on with the same command, a changed one runs only what is new.");
+}
+
+/// Adds what `convert` takes to its command.
+void add_convert(CLI::App& app, convert_options& o) {
+  app.add_option("FROM", o.from, "a mesh, voxels (.binvox) or an octree (.svo)")->required()->type_name("");
+  app.add_option("TO", o.to, "OUT.svo or OUT.binvox")->required()->type_name("");
+  add_number(app, "--resolution", o.resolution, "N", "voxels an edge, a power of two up to 1024");
+  app.add_flag("--solid", o.solid, "the inside, too, of a closed mesh");
+  app.add_option("--up", o.up, "what points up in the mesh: x, y (usual), z, -x, -y or -z")->type_name("AXIS");
+  add_number(app, "--margin", o.margin, "M", "voxels left free at each face of the cube (0)");
+  const auto read_fit = [&o](const std::string& text) {
+    double value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error != std::errc{} || end != text.data() + text.size())
+      throw input_error("--fit", '"' + text + '"', "a number above 0, at most 1");
+    o.fit = value;
+  };
+  app.add_option_function<std::string>("--fit", read_fit, "share of the rest that the mesh's longest edge takes (0.98)")->type_name("F");
+  app.add_flag("--quiet", o.quiet, "no summary");
+  app.footer("Example: rtusim convert scenes/data/bunny.obj bunny.svo --resolution 128 --solid");
 }
 
 /// What is wrong with a command line, as far as CLI11 reads it: with the command, and the word that may have been meant.
@@ -158,9 +179,14 @@ int command_line(int argc, char** argv) {
   diff_app->add_option("A.json", diff_a, "a statistics file")->required()->type_name("");
   diff_app->add_option("B.json", diff_b, "another")->required()->type_name("");
 
-  std::string info_file;
-  auto* const info_app = app.add_subcommand("info", "describe an octree or a mesh");
-  info_app->add_option("FILE", info_file, "an octree (.svo) or a mesh")->required()->type_name("");
+  convert_options convert_asked;
+  auto* const convert_app = app.add_subcommand("convert", "make an octree or voxels of a mesh, or one of the other");
+  add_convert(*convert_app, convert_asked);
+
+  std::string info_file, info_image;
+  auto* const info_app = app.add_subcommand("info", "describe an octree, voxels or a mesh");
+  info_app->add_option("FILE", info_file, "an octree (.svo), voxels (.binvox) or a mesh")->required()->type_name("");
+  info_app->add_option("--image", info_image, "OUT.png: three slices through the middle, and a view")->type_name("FILE");
 
   std::string key;
   auto* const explain_app = app.add_subcommand("explain", "every parameter and statistic: unit, range, meaning");
@@ -185,7 +211,11 @@ int command_line(int argc, char** argv) {
     const std::string text = difference_text(diff_a, diff_b);
     fmt::print("{}", text.empty() ? "no difference\n" : text);
   }
-  if (*info_app) fmt::print("{}", info_text(info_file));
+  if (*convert_app) {
+    const std::string told = convert(convert_asked);
+    if (!convert_asked.quiet) fmt::print("{}", told);
+  }
+  if (*info_app) fmt::print("{}", info_text(info_file, info_image));
   if (*explain_app) fmt::print("{}", explain_text(key));
   if (std::fflush(stdout) != 0) throw std::system_error(errno, std::generic_category(), "standard output");
   return done;

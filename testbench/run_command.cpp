@@ -111,10 +111,10 @@ void run(const run_options& o) {
   for (const auto& image : o.images) kinds.push_back(kind_of(image));
   const auto window = window_of(o);
   check_outputs(o);
-  const picture_preparation pictures(!o.images.empty());
 
   const bool triangles = s.unit.has_triangles();
-  const loaded_model model(s);
+  const loaded_model model(s);  // forks: no thread before it
+  const picture_preparation pictures(!o.images.empty());
   const std::vector<job_packet> jobs = o.jobs.empty() ? model.jobs(s, 2) : read_jobs(o.jobs);
   if (!o.save_jobs.empty()) write_jobs(o.save_jobs, jobs);
   std::optional<frame> picture;

@@ -36,8 +36,8 @@ run_setup::run_setup(const run_sources& from) {
     // A path in a scene file starts at its folder; one on the command line starts here.
     if (!what.model.model.empty()) what.model.model = (from.scene.parent_path() / what.model.model).string();
   }
-  // An octree in place of the scene's mesh leaves nothing to divide into voxels, a mesh in place of patches nothing to cut.
-  if (is_octree(from.model)) parameters.forget("scene.resolution");
+  // Voxels in place of the scene's mesh leave nothing to divide, a mesh in place of patches nothing to cut.
+  if (holds_voxels(from.model)) parameters.forget("scene.resolution");
   if (!from.model.empty() && !has_patches(from.model)) parameters.forget("scene.patch_quads");
   for (const std::string& a : from.assignments) parameters.set(a);
   if (!from.model.empty()) what.model.model = from.model.string();

@@ -1,18 +1,27 @@
 #include "testbench/scene.h"
 
 #include "modules/config/error.h"
+#include "scenes/binvox.h"
 #include "scenes/mesh.h"
 #include "scenes/svo_builder.h"
 #include "scenes/voxeliser.h"
 
 namespace rtusim {
+namespace {
+
+bool ends_in(const std::filesystem::path& file, const char* ending) {
+  return file.extension() == ending || (file.extension() == ".gz" && file.stem().extension() == ending);
+}
+
+}  // namespace
 
 void scene::model_params::describe(config::section& s) {
   s.text("model", model,
-         "an octree (.svo) or a mesh (.ply, .obj, .stl, .gltf, .bpt; zipped or not); a path in a scene file starts at its folder");
+         "an octree (.svo), voxels (.binvox) or a mesh (.ply, .obj, .stl, .gltf, .bpt), zipped or not; a path in a scene file starts at "
+         "its folder");
   s.number("resolution", resolution, {voxel_grid::least_resolution, voxel_grid::most_resolution}, "voxels",
            "voxels an edge, a power of two, that a mesh is divided into")
-      .when([this] { return !is_octree(model); }, "scene.model is a mesh");
+      .when([this] { return !holds_voxels(model); }, "scene.model is a mesh");
   s.number("patch_quads", patch_quads, {1, 256}, "quads", "quads along each side of a Bezier patch")
       .when([this] { return has_patches(model); }, "scene.model is a .bpt");
 }
@@ -29,16 +38,21 @@ const std::set<std::string>& scene::sections() {
   return names;
 }
 
-bool is_octree(const std::filesystem::path& file) {
-  return file.extension() == ".svo" || (file.extension() == ".gz" && file.stem().extension() == ".svo");
-}
+bool is_octree(const std::filesystem::path& file) { return ends_in(file, ".svo"); }
 
-bool has_patches(const std::filesystem::path& file) {
-  return file.extension() == ".bpt" || (file.extension() == ".gz" && file.stem().extension() == ".bpt");
-}
+bool is_binvox(const std::filesystem::path& file) { return ends_in(file, ".binvox"); }
+
+bool holds_voxels(const std::filesystem::path& file) { return is_octree(file) || is_binvox(file); }
+
+bool has_patches(const std::filesystem::path& file) { return ends_in(file, ".bpt"); }
 
 svo_image load_model(const std::filesystem::path& file, unsigned resolution, unsigned patch_quads, const svo_limits& limits) {
   if (is_octree(file)) return read_svo(file, limits);
+  if (is_binvox(file)) {
+    svo_image image = build_svo(read_binvox(file), file.string());
+    check_svo(image, file.string(), limits);
+    return image;
+  }
   if (!voxel_grid::is_resolution(resolution))
     throw input_error("scene.resolution", std::to_string(resolution), fmt::format("a power of two up to {}", voxel_grid::most_resolution));
   svo_image image = build_svo(voxelise_surface(read_mesh(file, patch_quads), resolution), file.string());

@@ -28,14 +28,22 @@ struct scene {
   static const std::set<std::string>& sections();
 };
 
-/// The octree of a model: an `.svo` as it is; a mesh (see `read_mesh`) as its surface voxels, `resolution` an edge.
+/// What holds more than the usual design does: files are described and converted beyond it. 256 MB, as deep as can be counted.
+inline constexpr svo_limits widest_limits{26, 20};
+
+/// The octree of a model: an `.svo` as it is; a `.binvox` as its voxels; a mesh (see `read_mesh`) as its surface voxels, `resolution`
+/// an edge.
 /// Errors: input_error for a file that can't be used, a resolution that is no power of two, an octree beyond `limits`.
 svo_image load_model(const std::filesystem::path& file, unsigned resolution, unsigned patch_quads, const svo_limits& limits);
 
 /// Whether the file holds Bezier patches, so that it is asked into how many quads each is cut.
 bool has_patches(const std::filesystem::path& file);
 
-/// Whether the file holds an octree, so that no resolution is asked for.
+/// Whether the file's name is that of an octree (.svo) or of voxels (.binvox), zipped or not.
 bool is_octree(const std::filesystem::path& file);
+bool is_binvox(const std::filesystem::path& file);
+
+/// Whether it is either, so that no resolution is asked for.
+bool holds_voxels(const std::filesystem::path& file);
 
 }  // namespace rtusim

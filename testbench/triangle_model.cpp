@@ -28,7 +28,7 @@ glm::dvec3 vec(const grid_point& p) { return {static_cast<double>(p[0]), static_
 triangle_model load_triangles(const std::filesystem::path& file, const quantisation& q, unsigned leaf_triangles, unsigned address_bits,
                               unsigned patch_quads) {
   const std::string place = file.string();
-  if (is_octree(file)) throw input_error(place, "an octree, which triangle cores can't trace", "a mesh");
+  if (holds_voxels(file)) throw input_error(place, "voxels, which triangle cores can't trace", "a mesh");
   const mesh m = read_mesh(file, patch_quads);
   quantised_triangles on_grid = quantise(m, q, place);
 

@@ -87,6 +87,32 @@ std::vector<std::uint32_t> children_first(const svo_image& image, const std::str
   return order;
 }
 
+// The least and the greatest coordinate, along one axis, of what is filled of a descriptor's cube, in its edges: exact in binary32 up to
+// 24 levels.
+struct filled_span {
+  float lower = 1, upper = 0;
+
+  // Grows to hold that of the half in which a child's cube lies; an empty one changes nothing.
+  void add(const filled_span& child, bool upper_half) {
+    if (child.lower > child.upper) return;
+    const float half = upper_half ? 0.5f : 0.0f;
+    lower = std::min(lower, half + child.lower / 2);
+    upper = std::max(upper, half + child.upper / 2);
+  }
+};
+
+// That of an image; `order` has children before parents.
+filled_span span_along(unsigned axis, const svo_image& image, const std::vector<std::uint32_t>& order) {
+  std::vector<filled_span> spans(image.words.size());
+  for (const std::uint32_t entry : order) {
+    const std::uint32_t word = image.words[entry];
+    std::uint64_t child = child_nodes(word) == 0 ? 0 : child_group(image, entry);
+    for (unsigned slot = 0; slot < 8; ++slot)
+      if (is_valid(word, slot)) spans[entry].add(is_leaf(word, slot) ? filled_span{0, 1} : spans[child++], ((slot >> axis) & 1) != 0);
+  }
+  return spans[0];
+}
+
 }  // namespace
 
 svo_image read_svo(const std::filesystem::path& file, const svo_limits& limits) {
@@ -110,12 +136,16 @@ svo_image read_svo(const std::filesystem::path& file, const svo_limits& limits) 
 void check_svo(const svo_image& image, const std::string& place, const svo_limits& limits) { children_first(image, place, limits); }
 
 void write_svo(const std::filesystem::path& file, const svo_image& image) {
-  std::string bytes;
-  bytes.reserve(image.words.size() * word_bytes);
-  for (const std::uint32_t word : image.words)
-    for (std::size_t b = 0; b < word_bytes; ++b) bytes.push_back(static_cast<char>((word >> (8 * b)) & 0xff));
+  constexpr std::size_t chunk_bytes = std::size_t{1} << 20;
   config::output_file out(file);
-  out.write(bytes);
+  std::string chunk;
+  for (const std::uint32_t word : image.words) {
+    for (std::size_t b = 0; b < word_bytes; ++b) chunk.push_back(static_cast<char>((word >> (8 * b)) & 0xff));
+    if (chunk.size() < chunk_bytes) continue;
+    out.write(chunk);
+    chunk.clear();
+  }
+  out.write(chunk);
   out.commit();
 }
 
@@ -150,6 +180,11 @@ svo_summary describe(const svo_image& image, const std::string& place, const svo
   summary.levels = levels[0];
   summary.filled_share = share[0];
   summary.filled_voxels = static_cast<std::uint64_t>(std::ldexp(share[0], 3 * static_cast<int>(summary.levels)));
+  for (unsigned k = 0; k < 3 && summary.leaves != 0; ++k) {
+    const filled_span s = span_along(k, image, order);
+    summary.lower[k] = s.lower;
+    summary.upper[k] = s.upper;
+  }
   return summary;
 }
 

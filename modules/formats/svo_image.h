@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <string>
@@ -51,6 +52,8 @@ struct svo_summary {
   std::uint64_t leaves = 0;        ///< leaf bits of these descriptors; a shared subtree's count once
   std::uint64_t filled_voxels = 0; ///< finest voxels inside of leaves; a shared subtree's count wherever it appears
   double filled_share = 0;         ///< of the root cube's volume
+  std::array<double, 3> lower{};   ///< corners of the least box around all that is filled, x to z, in edges of the root cube: 0 to 1.
+  std::array<double, 3> upper{};   ///< Both 0 if nothing is
 };
 
 /// Errors: input_error as `check_svo`.

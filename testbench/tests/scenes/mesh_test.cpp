@@ -247,6 +247,19 @@ TEST_CASE("one cube in every format", "[mesh]") {
   check_cube(read_mesh(scratch.put("b.glb", glb(gltf_json("", matrix)))), {4, 8, 9}, 3);
 }
 
+TEST_CASE("a mesh is turned with any axis up", "[mesh]") {
+  const glm::dvec3 ways[] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  for (unsigned axis = 0; axis < 3; ++axis)
+    for (const bool negative : {false, true}) {
+      mesh m;
+      m.vertices.assign(std::begin(ways), std::end(ways));
+      turn_up(m, axis, negative);
+      CAPTURE(axis, negative);
+      CHECK(m.vertices[axis] == glm::dvec3(0, negative ? -1 : 1, 0));
+      CHECK(glm::cross(m.vertices[0], m.vertices[1]) == m.vertices[2]);  // turned, not mirrored
+    }
+}
+
 TEST_CASE("polygons become triangles, those without area are left out", "[mesh]") {
   const scratch_folder scratch;
   // An L of six corners, and a face whose corners lie on a line.

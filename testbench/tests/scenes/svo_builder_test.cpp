@@ -99,6 +99,23 @@ TEST_CASE("the smallest and the fullest images", "[svo_builder]") {
   CHECK_THROWS_AS(voxels_of(build_svo(voxel, "voxel"), 4), simulation_error);
 }
 
+TEST_CASE("coarse voxels are filled if anything in them is", "[svo_builder]") {
+  const voxel_grid grid = random_grid(32, 0.01, 9);
+  const svo_image image = build_svo(grid, "random");
+  voxel_grid coarse(8);
+  for (unsigned z = 0; z < 32; ++z)
+    for (unsigned y = 0; y < 32; ++y)
+      for (unsigned x = 0; x < 32; ++x)
+        if (grid.at(x, y, z)) coarse.fill(x / 4, y / 4, z / 4);
+  CHECK((coarse_voxels_of(image, 8) == coarse));
+  CHECK((coarse_voxels_of(image, 64) == voxels_of(image, 64)));
+  // Twenty levels of one shared descriptor behind another, and nothing at their end.
+  svo_image shared;
+  for (int level = 0; level < 20; ++level) shared.words.push_back(make_descriptor(false, 1, 0x01, 0));
+  shared.words.push_back(make_descriptor(false, 0, 0, 0));
+  CHECK(coarse_voxels_of(shared, 4).count() == 0);
+}
+
 TEST_CASE("far pointers reach what 15 bits do not", "[svo_builder]") {
   const voxel_grid grid = random_grid(128, 0.3, 1);
   const svo_image image = build_svo(grid, "random");

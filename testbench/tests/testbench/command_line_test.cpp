@@ -460,6 +460,7 @@ TEST_CASE("command line: it explains itself", "[testbench]") {
       {{"explain", "statistics.rays"}, "statistics.rays"},
       {{"info", dragon}, "octree of 5 levels: 32 voxels an edge"},
       {{"info", source + "scenes/data/dragon_res4.ply"}, "triangles"},
+      {{"convert", "--help"}, "--resolution N"},
   };
   for (const auto& [arguments, text] : asked) {
     const outcome o = rtusim(folder, arguments);
@@ -468,6 +469,52 @@ TEST_CASE("command line: it explains itself", "[testbench]") {
     CHECK_THAT(o.out, Catch::Contains(text));
   }
   CHECK(folder.empty());
+}
+
+TEST_CASE("command line: a mesh is converted, described, looked at and traced", "[testbench]") {
+  const test::scratch_folder folder;
+  const std::string bunny = source + "scenes/data/bunny.obj";
+  const std::pair<words, const char*> asked[] = {
+      {{"convert", bunny, "bunny.svo", "--resolution", "32", "--solid", "--up", "-z", "--margin", "2", "--fit", "0.9"},
+       "32 voxels an edge"},
+      {{"convert", "bunny.svo", "bunny.binvox"}, "32 voxels an edge"},
+      {{"info", "bunny.binvox", "--image", "bunny.png"}, "as an octree of 5 levels"},
+      {{"run", "--model", "bunny.binvox", "--set", "frame.width=16", "--set", "frame.height=9", "--image", "frame.png"}, "144 rays"},
+      {{"info", bunny, "--image", "mesh.png"}, "           0 open edges"},
+  };
+  for (const auto& [arguments, text] : asked) {
+    const outcome o = rtusim(folder, arguments);
+    CHECK(o.status == 0);
+    CHECK(o.err.empty());
+    CHECK_THAT(o.out, Catch::Contains(text));
+  }
+  CHECK(rtusim(folder, {"convert", "bunny.binvox", "again.svo", "--quiet"}).out.empty());
+  const auto files = contents(folder);
+  CHECK(files.size() == 6);
+  CHECK((files.at("bunny.svo") == files.at("again.svo")));
+  for (const char* name : {"bunny.png", "mesh.png"}) CHECK_THAT(files.at(name), Catch::StartsWith("\x89PNG"));
+
+  const test::scratch_folder empty;
+  const words convert{"convert", bunny, "out.svo", "--resolution", "32"};
+  const auto with = [&](const words& also) {
+    words all = convert;
+    all.insert(all.end(), also.begin(), also.end());
+    return all;
+  };
+  const refusal all[] = {
+      {"no output", {"convert", bunny}, "convert: TO is required"},
+      {"no resolution", {"convert", bunny, "out.svo"}, "convert: no --resolution; expected a power of two"},
+      {"fewer than no voxels", {"convert", bunny, "out.svo", "--resolution", "-32"}, "--resolution: \"-32\"; expected a whole number"},
+      {"a fit that is none", with({"--fit", "tight"}), "--fit: \"tight\"; expected a number above 0"},
+      {"a mesh with holes to be filled",
+       {"convert", source + "scenes/data/teapot.bpt", "out.svo", "--resolution", "32", "--solid"},
+       "160 open edges, the first from (1.4, 2.4, 0)"},
+      {"a full disk", with({}), "out.svo: ", 2, 100},
+      {"a full disk for a picture", {"info", bunny, "--image", "out.png"}, "out.png: ", 2, 100},
+      {"a picture of no format", {"info", bunny, "--image", "out.jpg"}, "out.jpg: no picture format"},
+      {"a folder that is not there", {"info", bunny, "--image", "none/out.png"}, "none/out.png: its folder does not exist"},
+  };
+  for (const refusal& r : all) check_refused(empty, r);
 }
 
 }  // namespace

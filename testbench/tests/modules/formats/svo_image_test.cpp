@@ -2,6 +2,8 @@
 
 #include <unistd.h>
 
+#include <array>
+#include <cmath>
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
@@ -164,6 +166,19 @@ TEST_CASE("shared subtrees are walked once, and counted wherever they appear", "
   CHECK(summary.leaves == 16);
   CHECK(summary.filled_voxels == (std::uint64_t{1} << 34));
   CHECK(summary.filled_share == 0.25);
+  CHECK(summary.lower == std::array<double, 3>{0, 0, 0});
+  CHECK(summary.upper == std::array<double, 3>{1, 1, 1});
+
+  // The last voxel of each axis but y, whose fourth it is, at the end of twelve levels.
+  svo_image corner;
+  for (unsigned level = 0; level < 12; ++level) {
+    const std::uint32_t slot = level < 10 ? 0b101 : 0b111;
+    corner.words.push_back(make_descriptor(false, level < 11, 1U << slot, level < 11 ? 0 : 1U << slot));
+  }
+  const svo_summary cornered = describe(corner, "corner");
+  const double voxel = std::ldexp(1.0, -12);
+  CHECK(cornered.lower == std::array<double, 3>{1 - voxel, 3 * voxel, 1 - voxel});
+  CHECK(cornered.upper == std::array<double, 3>{1, 4 * voxel, 1});
 }
 
 TEST_CASE("garbage is refused or sound, and never more", "[svo_image]") {

@@ -1,0 +1,133 @@
+#include "scenes/binvox.h"
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <catch2/catch.hpp>
+
+#include "modules/config/error.h"
+#include "modules/config/files.h"
+#include "modules/formats/svo_image.h"
+#include "scenes/mesh.h"
+#include "scenes/svo_builder.h"
+#include "scenes/voxeliser.h"
+#include "testbench/tests/random.h"
+#include "testbench/tests/scratch.h"
+
+namespace rtusim {
+namespace {
+
+const std::string models = RTUSIM_SOURCE_DIR "/testbench/golden/svo/models/";
+const std::string data = RTUSIM_SOURCE_DIR "/scenes/data/";
+
+std::string run(int value, int length) { return {static_cast<char>(value), static_cast<char>(length)}; }
+
+std::string header(const std::string& dim, const std::string& version = "1") { return "#binvox " + version + "\ndim " + dim + "\ndata\n"; }
+
+// The message with which a file is refused, without its folder.
+std::string refusal(const std::string& bytes, unsigned resolution = 0) {
+  const test::scratch_folder folder;
+  try {
+    read_binvox(folder.file("a.binvox", bytes), resolution);
+  } catch (const input_error& e) {
+    return std::string(e.what()).substr((folder / "").string().size());
+  }
+  return "accepted";
+}
+
+voxel_grid random_grid(unsigned resolution, unsigned seed) {
+  test::rng random(seed);
+  voxel_grid grid(resolution);
+  for (unsigned n = 0; n < resolution * resolution * 3; ++n) grid.fill(random() % resolution, random() % resolution, random() % resolution);
+  grid.fill_cube(grid.levels() - 1, 3);
+  return grid;
+}
+
+}  // namespace
+
+TEST_CASE("binvox: y is the fastest, then z, then x", "[binvox]") {
+  const test::scratch_folder folder;
+  const std::string bytes =
+      "#binvox 1\ndim 4 4 4\ntranslate -0.1 2e-3 7\nscale 7.24632\ndata\n" + run(0, 6) + run(1, 2) + run(0, 40) + run(1, 1) + run(0, 15);
+  const voxel_grid grid = read_binvox(folder.file("a.binvox", bytes));
+  CHECK(grid.resolution() == 4);
+  CHECK(grid.count() == 3);
+  CHECK(grid.at(0, 2, 1));
+  CHECK(grid.at(0, 3, 1));
+  CHECK(grid.at(3, 0, 0));
+
+  write_binvox(folder / "b.binvox", grid);
+  CHECK(config::read_file(folder / "b.binvox") ==
+        "#binvox 1\ndim 4 4 4\ntranslate -1 -1 -1\nscale 2\ndata\n" + run(0, 6) + run(1, 2) + run(0, 40) + run(1, 1) + run(0, 15));
+}
+
+TEST_CASE("binvox: an edge that is no power of two stands in the middle", "[binvox]") {
+  const test::scratch_folder folder;
+  const auto file = folder.file("a.binvox", header("3 3 3") + run(1, 27));
+  const voxel_grid grid = read_binvox(file);
+  CHECK(grid.resolution() == 4);
+  CHECK(grid.count() == 27);
+  CHECK(grid.at(0, 0, 0));
+  CHECK_FALSE(grid.at(3, 0, 0));
+  const voxel_grid wider = read_binvox(file, 16);
+  CHECK(wider.resolution() == 16);
+  CHECK(wider.count() == 27);
+  CHECK(wider.at(6, 6, 6));
+  CHECK(wider.at(8, 8, 8));
+  CHECK(read_binvox(folder.file("one.binvox", header("1 1 1") + run(1, 1))).count() == 1);
+  CHECK(read_binvox(folder.file("two.binvox", header("2 2 2", "2") + run(77, 4) + run(0, 4))).count() == 4);
+}
+
+TEST_CASE("binvox: there and back", "[binvox]") {
+  const test::scratch_folder folder;
+  for (const unsigned resolution : {2U, 4U, 16U, 64U, 128U}) {
+    CAPTURE(resolution);
+    const voxel_grid grid = random_grid(resolution, resolution);
+    write_binvox(folder / "a.binvox", grid);
+    const voxel_grid read = read_binvox(folder / "a.binvox");
+    CHECK((read == grid));
+    const voxel_grid from_octree = voxels_of(build_svo(read, "random"), resolution);
+    write_binvox(folder / "b.binvox", from_octree);
+    CHECK((config::read_file(folder / "a.binvox") == config::read_file(folder / "b.binvox")));
+  }
+  for (const char* name : {"dragon_32", "dragon_128", "rand_16_far"}) {
+    CAPTURE(name);
+    const svo_image octree = read_svo(models + name + ".svo");
+    const unsigned resolution = 1U << describe(octree, name).levels;
+    write_binvox(folder / "a.binvox", voxels_of(octree, resolution));
+    const voxel_grid grid = read_binvox(folder / "a.binvox");
+    CHECK((voxels_of(build_svo(grid, name), resolution) == voxels_of(octree, resolution)));
+    // The dragons are built as we build; the other was made to have far pointers.
+    if (std::string(name) != "rand_16_far") CHECK((build_svo(grid, name).words == octree.words));
+  }
+}
+
+TEST_CASE("binvox: a file that lies is refused with its place", "[binvox]") {
+  using Catch::Matchers::StartsWith;
+  CHECK_THAT(refusal(""), StartsWith("a.binvox:1: \"\"; expected a header"));
+  CHECK_THAT(refusal("garbage"), StartsWith("a.binvox:1: \"garbage\""));
+  CHECK_THAT(refusal(std::string(1000, 'x')), StartsWith("a.binvox:1: \"xxx"));
+  CHECK_THAT(refusal("#binvox 3\n"), StartsWith("a.binvox:1: version 3; expected 1 or 2"));
+  CHECK_THAT(refusal("#binvox\n"), StartsWith("a.binvox:1: \"\"; expected the version"));
+  CHECK_THAT(refusal(header("4 4 5")), StartsWith("a.binvox:2: \"dim 4 4 5\"; expected a cube"));
+  CHECK_THAT(refusal(header("4 4")), StartsWith("a.binvox:2: \"\"; expected three numbers"));
+  CHECK_THAT(refusal(header("0 0 0")), StartsWith("a.binvox:2: \"dim 0 0 0\""));
+  CHECK_THAT(refusal(header("-1 -1 -1")), StartsWith("a.binvox:2: \"-1\""));
+  CHECK_THAT(refusal(header("1025 1025 1025")),
+             StartsWith("a.binvox:2: \"dim 1025 1025 1025\"; expected a cube, three times the same from 1"));
+  CHECK_THAT(refusal(header("4294967297 1 1")), StartsWith("a.binvox:2: \"4294967297\""));
+  CHECK_THAT(refusal("#binvox 1\ndata\n"), StartsWith("a.binvox:2: data; expected a line dim"));
+  CHECK_THAT(refusal("#binvox 1\ndim 4 4 4\nscale nan\ndata\n"), StartsWith("a.binvox:3: \"scale nan\""));
+  CHECK_THAT(refusal("#binvox 1\ndim 4 4 4\ncolour red\n"), StartsWith("a.binvox:3: \"colour red\""));
+  CHECK_THAT(refusal(header("1024 1024 1024")), StartsWith("a.binvox: 0 voxels; expected 1073741824, as its header claims"));
+  CHECK_THAT(refusal(header("4 4 4") + run(1, 63)), StartsWith("a.binvox: 63 voxels; expected 64"));
+  CHECK_THAT(refusal(header("4 4 4") + run(1, 65)), StartsWith("a.binvox: byte 26: voxel 65; expected 64"));
+  CHECK_THAT(refusal(header("4 4 4") + run(1, 64) + run(0, 1)), StartsWith("a.binvox: byte 28: voxel 65"));
+  CHECK_THAT(refusal(header("4 4 4") + run(2, 64)), StartsWith("a.binvox: byte 25: the value 2; expected 0 or 1"));
+  CHECK_THAT(refusal(header("4 4 4") + run(1, 0)), StartsWith("a.binvox: byte 26: a run of 0 voxels"));
+  CHECK_THAT(refusal(header("4 4 4") + run(1, 64) + "\n"), StartsWith("a.binvox: a value without its run"));
+  CHECK_THAT(refusal(header("8 8 8"), 4), StartsWith("a.binvox: 8 voxels an edge; expected at most the resolution of 4"));
+}
+
+}  // namespace rtusim
