@@ -87,6 +87,17 @@ std::set<std::string> results_of(const std::string& log) {
   return results;
 }
 
+/// The first fields of each.
+std::set<std::string> cut(const std::set<std::string>& results, int fields) {
+  std::set<std::string> shorter;
+  for (const std::string& r : results) {
+    std::size_t at = 0;
+    for (int field = 0; field < fields; ++field) at = r.find_first_of(",\n", at) + 1;
+    shorter.insert(r.substr(0, at));
+  }
+  return shorter;
+}
+
 surroundings random_streams(test::rng& random) {
   surroundings s;
   s.watchdog_cycles = 100'000;
@@ -103,7 +114,7 @@ surroundings random_streams(test::rng& random) {
 
 TEST_CASE("system: 100 random designs of triangle cores are the same in every pace, whatever the order of the units", "[system]") {
   test::rng random(1957);
-  std::uint64_t hits = 0, rays = 0, compared = 0;
+  std::uint64_t hits = 0, rays = 0, whole = 0;
   for (int round = 0; round < 100; ++round) {
     const design d = test::random_triangle_design(random);
     const surroundings s = random_streams(random);
@@ -126,16 +137,18 @@ TEST_CASE("system: 100 random designs of triangle cores are the same in every pa
     const outcome changing = simulate(d, s, model, jobs, pace::skipping, 0, 1 + random());
     REQUIRE(skipping.log == changing.log);
     REQUIRE(skipping.statistics == changing.statistics);
-    const bool overlapped = d.t_div_.kind == numeric::divider_kind::iterative;  // a ray may wait for the one before
-    if (!d.bih_core.early_out && !overlapped) REQUIRE(results_of(skipping.log) == alone(d, model, jobs));
-    compared += !d.bih_core.early_out && !overlapped;
+    // A ray may wait for the division of the one before; what lies behind a hit need not be seen.
+    const bool waits = d.t_div_.kind == numeric::divider_kind::iterative;
+    const int same = d.bih_core.early_out ? 2 : waits ? 6 : 7;
+    REQUIRE(cut(results_of(skipping.log), same) == cut(alone(d, model, jobs), same));
+    whole += same == 7;
     const auto figures = nlohmann::json::parse(skipping.statistics);
     hits += figures["hits"].get<std::uint64_t>();
     rays += figures["rays"].get<std::uint64_t>();
   }
   CHECK(rays > 5'000);
   CHECK(hits > 1'500);
-  CHECK(compared > 25);
+  CHECK(whole > 25);
 }
 
 }  // namespace rtusim
