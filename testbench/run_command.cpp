@@ -132,8 +132,11 @@ struct loaded_model {
   model_view view() const { return triangles ? model_view(triangles->hierarchy) : model_view(octree.words); }
   std::vector<job_packet> jobs(const setup& s) const {
     const driver_params& driver = s.unit.driver;
-    if (triangles) return triangle_jobs(s.what.view, s.what.picture, triangles->grid, driver.norm, driver.skip_misses, 2);
-    return camera_jobs(s.what.view, s.what.picture, driver.last_sign_only, 0, 2);
+    if (!triangles) return camera_jobs(s.what.view, s.what.picture, driver.last_sign_only, 0, 2);
+    std::vector<job_packet> sent = triangle_jobs(s.what.view, s.what.picture, triangles->grid, driver.norm, driver.skip_misses, 2);
+    if (sent.empty())
+      throw input_error("camera", "no ray meets the box of the model", "a camera that looks at it, or driver.skip_misses = false");
+    return sent;
   }
   /// Words in use, and their checksum.
   std::pair<std::size_t, std::uint32_t> words() const {

@@ -328,6 +328,12 @@ TEST_CASE("command line: a mesh that triangle cores can't trace is refused with 
   held.insert(held.end(), {"--set", "bih_core.address_bits=13"});
   clamped.insert(clamped.end(), {"--set", "bih_builder.leaf_triangles=79"});
   CHECK(rtusim(folder, held).status == 0);
+  words away = bih(teapot, view);
+  away.insert(away.end(), {"--set", "camera.kind=look_at", "--set", "camera.position=[0, 0, 5]", "--set", "camera.target=[0, 0, 9]"});
+  check_refused(folder,
+                {"a camera that looks away", away, "camera: no ray meets the box of the model; expected a camera that looks at it"});
+  away.insert(away.end(), {"--set", "driver.skip_misses=false"});
+  CHECK(rtusim(folder, away).status == 0);
   // Tiny triangles have long edges in their units: that is told, and the run goes on.
   const outcome o = rtusim(folder, clamped);
   CHECK(o.status == 0);
@@ -471,6 +477,12 @@ TEST_CASE("command line: raw words are taken whatever they hold", "[testbench]")
   CHECK(std::count(o.err.begin(), o.err.end(), '\n') == 1);
   const std::string log = contents(folder).at("log.csv");
   CHECK(std::count(log.begin(), log.end(), '\n') == 4);
+
+  const outcome triangles = rtusim(folder, {"run", "--quiet", "--arch", source + "testbench/architectures/hanika2007.toml", "--model", teapot,
+                                            "--jobs", "nan.bin", "--pace", "checked", "--log", "log.csv"});
+  CHECK(triangles.status == 0);
+  CHECK(triangles.err == "rtusim: warning: 6 parameters of the jobs lie beyond the fixed-point range, 6 are no number\n");
+  CHECK_THAT(contents(folder).at("log.csv"), Catch::StartsWith("cycle,core,job_id,hit,tri,t,u,v,clocks\n"));
 
   folder.file("wide.csv", "id,a,addr,t0x,t0y,t0z,t1x,t1y,t1z,note\n"
                           "0,7,4294967295,9223372036854775807,-9223372036854775808,0,0,0,0,x\n");
