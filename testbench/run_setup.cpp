@@ -65,8 +65,11 @@ loaded_model::loaded_model(const run_setup& s) {
 
 std::vector<job_packet> loaded_model::jobs(const run_setup& s, unsigned threads) const {
   const driver_params& driver = s.unit.driver;
-  if (triangles_) return triangle_jobs(s.what.view, s.what.picture, triangles_->grid, driver.norm, driver.skip_misses, threads);
-  return camera_jobs(s.what.view, s.what.picture, driver.last_sign_only, 0, threads);
+  if (!triangles_) return camera_jobs(s.what.view, s.what.picture, driver.last_sign_only, 0, threads);
+  std::vector<job_packet> sent = triangle_jobs(s.what.view, s.what.picture, triangles_->grid, driver.norm, driver.skip_misses, threads);
+  if (sent.empty())
+    throw input_error("camera", "no ray meets the box of the model", "a camera that looks at it, or driver.skip_misses = false");
+  return sent;
 }
 
 nlohmann::ordered_json inputs_of(const run_setup& s, const loaded_model& model, const std::vector<job_packet>& jobs) {

@@ -34,8 +34,8 @@ void bih_core::reset() {
 void bih_core::accept(const triangle_job& job) {
   ray_ = job.ray;
   job_word_ = job.job_word;
-  before_ = walk_.registers();
   walk_.rest(now() - std::min(now(), free_from_));
+  before_ = walk_.registers();
   flight& f = flights_[(oldest_ + in_flight_) % flights_.size()];
   traversal_result& r = f.result = {};
   const intersector_interface& intersector = *intersector_port.operator->();

@@ -85,7 +85,7 @@ class bih_core final : public unit {
   // The state machine follows the outcome when somebody watches.
   bih_machine machine_;
   quantised_ray ray_;
-  bih_kept_registers before_;    // what the job before left
+  bih_kept_registers before_;    // what the job before left, as the last one found it
   cycle machine_edge_ = 0;       // the machine's registers stand just before this edge
   std::uint32_t job_word_ = 0;
   std::uint32_t shown_triangle_ = 0;  // the number that is issued, else 0

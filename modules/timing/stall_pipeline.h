@@ -50,11 +50,13 @@ class stall_pipeline {
   /// `n` edges at which nothing enters or leaves.
   void idle(cycle n) { moves_ += size_ == 0 ? n : std::min(n, items_[head_].at_output - moves_); }
 
-  /// Bit i: stage i holds something; of at most 64 stages.
+  /// Bit i: stage i holds something; of the first 64 stages.
   std::uint64_t valid_bits() const {
     std::uint64_t bits = 0;
-    for (unsigned n = 0, i = head_; n < size_; ++n, i = after(i))
-      bits |= std::uint64_t{1} << (stages_ - 1 - (items_[i].at_output - moves_));
+    for (unsigned n = 0, i = head_; n < size_; ++n, i = after(i)) {
+      const cycle stage = stages_ - 1 - (items_[i].at_output - moves_);
+      if (stage < 64) bits |= std::uint64_t{1} << stage;
+    }
     return bits;
   }
 

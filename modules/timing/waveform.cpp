@@ -21,6 +21,9 @@ void trace_axes(waveform& w, const std::string& name, const per_axis<T>& values,
   for (unsigned i = 0; i < 3; ++i) w.add(values[i], name + axis_letters[i], bits);
 }
 
+/// A word without a sign: as a signed one the tracer would show those of its upper half as unknown.
+const std::uint64_t& without_sign(const std::int64_t& word) { return reinterpret_cast<const std::uint64_t&>(word); }
+
 /// Blanks the date in SystemC's header, so that the same run gives the same bytes.
 void blank_date(std::fstream& file) {
   std::string line;
@@ -135,7 +138,7 @@ void trace_fields(waveform& w, const std::string& name, const traversal_job& j) 
 void trace_fields(waveform& w, const std::string& name, const triangle_job& j) {
   w.add(j.job_word, name + ".job_word");
   w.add(j.ray.misses_box, name + ".misses_box");
-  trace_axes(w, name + ".pos_", j.ray.position, w.widths().position);
+  for (unsigned i = 0; i < 3; ++i) w.add(without_sign(j.ray.position[i]), name + ".pos_" + axis_letters[i], w.widths().position);
   trace_axes(w, name + ".dir_", j.ray.direction, w.widths().direction);
   trace_axes(w, name + ".idir_", j.ray.reciprocal, w.widths().reciprocal);
 }
@@ -147,8 +150,8 @@ void trace_fields(waveform& w, const std::string& name, const traversal_result& 
   w.add(r.cost, name + ".cost");
   if (w.widths().uv != 0) {
     w.add(r.triangle, name + ".triangle");
-    w.add(r.u, name + ".u", w.widths().uv);
-    w.add(r.v, name + ".v", w.widths().uv);
+    w.add(without_sign(r.u), name + ".u", w.widths().uv);
+    w.add(without_sign(r.v), name + ".v", w.widths().uv);
   } else {
     w.add(r.normal_axis, name + ".normal_axis", 3);
     w.add(r.normal_sign, name + ".normal_sign", 2);

@@ -127,6 +127,8 @@ bool triangle_intersector::surely_misses(const plane_terms& plane, const per_axi
   constexpr double lost = 4, rounding = 0x1p-40;
   const auto [r, p, q] = axes_of(triangle);
   if (drop_ != 0 || (position[p] | position[q]) >> n_ != 0) return false;
+  // As built the divider takes this one for 0.
+  if (plane.num == -(std::int64_t{4} << n_)) return false;
   const auto real = [](std::int64_t word) { return static_cast<double>(word); };
   const double t = real(plane.num) / real(plane.den);  // in units of 2^(m-1) grid units
   const double k_p = real(position[p] - triangle.pp) + t * real(direction[p]), k_q = real(position[q] - triangle.pq) + t * real(direction[q]);

@@ -27,6 +27,7 @@ using words = std::vector<std::string>;
 const std::string source = RTUSIM_SOURCE_DIR "/";
 const std::string golden = source + "testbench/golden/svo/";
 const std::string as_built = source + "testbench/architectures/espe2019_as_built.toml";
+const std::string teapot = source + "scenes/data/teapot.bpt";
 const std::string dragon = golden + "models/dragon_32.svo";
 
 /// A run of 144 rays, which `also` changes.
@@ -270,6 +271,137 @@ TEST_CASE("command line: a triangle unit's input that can't be used is refused w
   CHECK_THAT(contents(folder).at("out.csv"), Catch::EndsWith(",e2q,rdy,hit,u,v,t\n"));
 }
 
+TEST_CASE("command line: a mesh that triangle cores can't trace is refused with its reason", "[testbench]") {
+  const test::scratch_folder folder;
+  folder.file("none.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n");
+  folder.file("line.obj", "v 0 0 0\nv 1 1 1\nv 2 2 2\nf 1 2 3\n");
+  folder.file("flat.obj", "v 0 0 5\nv 1 0 5\nv 0 1 5\nf 1 2 3\n");
+  folder.file("thin.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 0 1e-10\nf 1 2 3\nf 1 4 3\n");
+  folder.file("slivers.obj", "v 0 0 0\nv 1 0.5 0.5\nv 1 0.500001 0.5\nf 1 2 3\n");
+  // Each split takes the outermost triangle away: 2^29, 2^28, ... along x, y and z.
+  std::string deep = "v 0 0 0\nv 1073741823 0 0\nv 0 1073741823 0\nv 0 0 1073741823\n";
+  unsigned vertices = 4;
+  for (unsigned axis = 0; axis < 3; ++axis)
+    for (unsigned bit = 3; bit < 29; ++bit) {
+      long corner[3] = {0, 0, 0};
+      corner[axis] = 1L << bit;
+      const std::string x = std::to_string(corner[0]), y = std::to_string(corner[1]), z = std::to_string(corner[2]);
+      deep += "v " + x + ' ' + y + ' ' + z + "\nv " + std::to_string(corner[0] + 1) + ' ' + y + ' ' + z + "\nv " + x + ' ' +
+              std::to_string(corner[1] + 1) + ' ' + std::to_string(corner[2] + 1) + '\n';
+      deep += "f " + std::to_string(vertices + 1) + ' ' + std::to_string(vertices + 2) + ' ' + std::to_string(vertices + 3) + '\n';
+      vertices += 3;
+    }
+  folder.file("deep.obj", deep + "f 2 3 4\n");
+  folder.file("cut.obj", "v 0 0 0\nv 1 0 0\nv 0 1 1\nf 1 2 4\n");
+  const auto bih = [](const std::string& model, const words& also = {}) {
+    words all{"run", "--quiet", "--arch", source + "testbench/architectures/hanika2007.toml", "--model", model, "--log", "log.csv"};
+    all.insert(all.end(), also.begin(), also.end());
+    return all;
+  };
+  const refusal all[] = {
+      {"no mesh", bih("none.ply"), "none.ply: no such file"},
+      {"a mesh without triangles", bih("none.obj"), "none.obj: no faces; expected a mesh of triangles or polygons"},
+      {"a mesh without an area", bih("line.obj"), "line.obj: no face has an area; expected a mesh of triangles or polygons"},
+      {"a vertex that is not there", bih("cut.obj"), "cut.obj"},
+      {"a flat box", bih("flat.obj"), "flat.obj: a flat mesh: no extent along z on a grid of 2^30; expected a box with a volume"},
+      {"a box thinner than the grid", bih("thin.obj"), "thin.obj: a flat mesh: no extent along z on a grid of 2^30"},
+      {"triangles finer than the grid", bih("slivers.obj", {"--set", "quantisation.n=8"}),
+       "slivers.obj: no triangle has an area on a grid of 2^8"},
+      {"leaves without triangles", bih(teapot, {"--set", "bih_builder.leaf_triangles=0"}),
+       "bih_builder.leaf_triangles = 0; expected a whole number from 1 to 4096 triangles"},
+      {"leaves of too many", bih(teapot, {"--set", "bih_builder.leaf_triangles=4097"}), "bih_builder.leaf_triangles = 4097; expected"},
+      {"more than the memories as built hold",
+       {"run", "--quiet", "--arch", source + "testbench/architectures/hanika2007_as_built.toml", "--model",
+        source + "scenes/data/dragon_res3.ply.gz"},
+       "47794 triangles; expected at most 992 of each for bih_core.address_bits = 10; 16 would do"},
+      {"the bits that would do, less one", bih(teapot, {"--set", "bih_core.address_bits=12"}),
+       "of 6320 triangles; expected at most 4064 of each for bih_core.address_bits = 12; 13 would do"},
+      {"more levels than the stack has entries", bih("deep.obj", {"--set", "bih_builder.leaf_triangles=1"}),
+       "a ray may push 32 entries on its way here; expected at most 31"},
+      {"an octree", bih(dragon), "dragon_32.svo: an octree, which triangle cores can't trace; expected a mesh"},
+      {"a replay", bih(teapot, {"--pace", "replay"}),
+       "--pace replay: triangle cores, in which rays overlap; expected a design whose schedule follows from the costs of its rays"},
+  };
+  for (const refusal& r : all) check_refused(folder, r);
+  const words view{"--set", "frame.width=8", "--set", "frame.height=6"};
+  words held = bih(teapot, view), clamped = bih("deep.obj", view);
+  held.insert(held.end(), {"--set", "bih_core.address_bits=13"});
+  clamped.insert(clamped.end(), {"--set", "bih_builder.leaf_triangles=79"});
+  CHECK(rtusim(folder, held).status == 0);
+  words away = bih(teapot, view);
+  away.insert(away.end(), {"--set", "camera.kind=look_at", "--set", "camera.position=[0, 0, 5]", "--set", "camera.target=[0, 0, 9]"});
+  check_refused(folder,
+                {"a camera that looks away", away, "camera: no ray meets the box of the model; expected a camera that looks at it"});
+  away.insert(away.end(), {"--set", "driver.skip_misses=false"});
+  CHECK(rtusim(folder, away).status == 0);
+  // Tiny triangles have long edges in their units: that is told, and the run goes on.
+  const outcome o = rtusim(folder, clamped);
+  CHECK(o.status == 0);
+  CHECK_THAT(o.err, Catch::StartsWith("rtusim: warning: of the triangles 0 lost their area on the grid, ") &&
+                        Catch::EndsWith(" have edges beyond edge_shift and were clamped\n"));
+}
+
+TEST_CASE("command line: what a design of the other kind reads is refused, and what is out of range", "[testbench]") {
+  const test::scratch_folder folder;
+  const auto bih = [](const std::string& assignment) {
+    return words{"run", "--quiet", "--arch", source + "testbench/architectures/hanika2007.toml", "--model", teapot, "--set", assignment};
+  };
+  for (const std::string key :
+       {"svo_core.stack_depth=3", "svo_core.tm_wrap=true", "fixed_point.integer_bits=12", "fixed_point.fraction_bits=12",
+        "float_to_fixed.flush_small=true", "memory.address_bits=12", "driver.last_sign_only=true"}) {
+    const std::string name = key.substr(0, key.find('='));
+    check_refused(folder, {name.c_str(), bih(key), name + " is not read by this design; expected it only when rtu.core = svo"});
+  }
+  for (const std::string key : {"quantisation.n=20", "quantisation.division_drop=1", "bih_core.early_out=true", "bih_core.rays_in_flight=3",
+                                "bih_builder.leaf_triangles=4", "triangle_unit.t_halved=true", "t_div.kind=iterative", "driver.norm=one",
+                                "driver.skip_misses=false"}) {
+    const std::string name = key.substr(0, key.find('='));
+    check_refused(folder,
+                  {name.c_str(), small_run({"--set", key}), name + " is not read by this design; expected it only when rtu.core = bih"});
+  }
+  struct range {
+    const char* key;
+    int least, most;
+  };
+  const range ranges[] = {{"quantisation.n", 4, 32},
+                          {"quantisation.m", 4, 34},
+                          {"quantisation.edge_shift", 0, 20},
+                          {"quantisation.reciprocal_bits", 0, 28},
+                          {"bih_core.address_bits", 6, 18},
+                          {"bih_core.rays_in_flight", 1, 64},
+                          {"bih_builder.leaf_triangles", 1, 4096}};
+  for (const range& r : ranges)
+    for (const int value : {r.least - 1, r.most + 1}) {
+      const std::string found = std::string(r.key) + " = " + std::to_string(value);
+      const std::string text = found + "; expected a whole number from " + std::to_string(r.least) + " to " + std::to_string(r.most);
+      check_refused(folder, {r.key, bih(std::string(r.key) + '=' + std::to_string(value)), text});
+    }
+  words dropped = bih("quantisation.n=8");
+  dropped.insert(dropped.end(), {"--set", "quantisation.division_drop=8"});
+  const refusal all[] = {
+      {"more bits dropped than there are", dropped, "quantisation.division_drop: 8; expected at most n - 1 = 7"},
+      {"a divider's width in a whole unit", bih("t_div.width=32"), "t_div.width is not read by this design"},
+      {"a divider of no kind", bih("t_div.kind=serial"), "t_div.kind = \"serial\"; expected pipelined or iterative"},
+      {"a norm that is none", bih("driver.norm=three"), "driver.norm = \"three\"; expected one or two"},
+      {"a core that is none", bih("rtu.core=bvh"), "rtu.core = \"bvh\"; expected svo or bih; did you mean bih?"},
+      {"a core of octrees for a mesh's key", bih("rtu.core=svo"), "is not read by this design; expected it only when rtu.core = bih"},
+  };
+  for (const refusal& r : all) check_refused(folder, r);
+  // The ends of the ranges are good for a run.
+  for (const words& ends : {words{"quantisation.n=32", "quantisation.m=34", "quantisation.edge_shift=20", "quantisation.reciprocal_bits=28",
+                                  "t_div.kind=iterative", "bih_core.address_bits=18", "bih_core.rays_in_flight=64",
+                                  "bih_builder.leaf_triangles=4096", "quantisation.division_drop=24"},
+                            words{"quantisation.n=4", "quantisation.m=4", "quantisation.edge_shift=0", "quantisation.reciprocal_bits=0",
+                                  "bih_core.rays_in_flight=1", "bih_builder.leaf_triangles=1", "quantisation.division_drop=3"}}) {
+    words run = bih("frame.width=12");
+    for (const std::string& end : ends) run.insert(run.end(), {"--set", end});
+    run.insert(run.end(), {"--set", "frame.height=8", "--pace", "checked"});
+    const outcome o = rtusim(folder, run);
+    CAPTURE(o.err);
+    CHECK(o.status == 0);
+  }
+}
+
 TEST_CASE("command line: an output that can't be written is refused before the run, a full disk leaves nothing", "[testbench]") {
   const test::scratch_folder folder;
   folder.file("log.csv", "of an earlier run\n");
@@ -345,6 +477,12 @@ TEST_CASE("command line: raw words are taken whatever they hold", "[testbench]")
   CHECK(std::count(o.err.begin(), o.err.end(), '\n') == 1);
   const std::string log = contents(folder).at("log.csv");
   CHECK(std::count(log.begin(), log.end(), '\n') == 4);
+
+  const outcome triangles = rtusim(folder, {"run", "--quiet", "--arch", source + "testbench/architectures/hanika2007.toml", "--model", teapot,
+                                            "--jobs", "nan.bin", "--pace", "checked", "--log", "log.csv"});
+  CHECK(triangles.status == 0);
+  CHECK(triangles.err == "rtusim: warning: 6 parameters of the jobs lie beyond the fixed-point range, 6 are no number\n");
+  CHECK_THAT(contents(folder).at("log.csv"), Catch::StartsWith("cycle,core,job_id,hit,tri,t,u,v,clocks\n"));
 
   folder.file("wide.csv", "id,a,addr,t0x,t0y,t0z,t1x,t1y,t1z,note\n"
                           "0,7,4294967295,9223372036854775807,-9223372036854775808,0,0,0,0,x\n");

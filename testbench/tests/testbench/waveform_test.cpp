@@ -7,132 +7,37 @@
 #include <fstream>
 #include <iterator>
 #include <map>
-#include <sstream>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "modules/bih_core/bih_params.h"
 #include "modules/config/files.h"
 #include "modules/formats/packets.h"
 #include "modules/svo_core/svo_params.h"
 #include "testbench/csv.h"
+#include "testbench/driver.h"
 #include "testbench/job_file.h"
 #include "testbench/tests/scratch.h"
+#include "testbench/tests/vcd.h"
+#include "testbench/triangle_model.h"
 
 namespace rtusim {
 namespace {
 
+using test::check_within;
+using test::vcd;
+
 const std::string source = RTUSIM_SOURCE_DIR;
 const std::string golden = source + "/testbench/golden/svo/";
-constexpr std::uint64_t period_ps = 10'000;
 constexpr std::int64_t any_word = std::int64_t{1} << 40;
 
-/// A VCD file by cycle. Values change as a cycle begins; the clock falls in its middle.
-class vcd {
- public:
-  explicit vcd(const std::filesystem::path& file) {
-    std::istringstream in(config::read_file(file));
-    read_declarations(in);
-    read_values(in);
-  }
+const std::string teapot = source + "/scenes/data/teapot.bpt";
+constexpr unsigned teapot_quads = 3;
 
-  std::uint64_t first() const { return first_; }
-  std::uint64_t cycles() const { return values_.size(); }
-  std::uint64_t end() const { return first_ + cycles(); }
-  const std::map<std::string, std::size_t>& signals() const { return signals_; }
-  /// The values of a cycle in the order of the signals' declaration.
-  const std::vector<std::uint64_t>& at(std::uint64_t cycle) const { return values_.at(cycle - first_); }
-  std::uint64_t value(std::uint64_t cycle, const std::string& name) const { return at(cycle).at(signals_.at(name)); }
-  std::int64_t signed_value(std::uint64_t cycle, const std::string& name) const {
-    const unsigned up = 64 - width(name);
-    return static_cast<std::int64_t>(value(cycle, name) << up) >> up;
-  }
-  unsigned width(const std::string& name) const { return widths_.at(signals_.at(name)); }
-  bool transfers(std::uint64_t cycle, const std::string& channel) const {
-    return value(cycle, channel + ".valid") != 0 && value(cycle, channel + ".ready") != 0;
-  }
-  /// The cycles in which a channel transfers.
-  std::vector<std::uint64_t> transfers(const std::string& channel) const {
-    std::vector<std::uint64_t> found;
-    for (std::uint64_t c = first(); c < end(); ++c)
-      if (transfers(c, channel)) found.push_back(c);
-    return found;
-  }
-
- private:
-  void read_declarations(std::istream& in) {
-    std::vector<std::string> scopes;
-    std::string word, kind, code, name;
-    while (in >> word && word != "$enddefinitions") {
-      if (word == "$timescale") {
-        std::string number, unit;
-        in >> number >> unit;
-        REQUIRE(number + unit == "1ps");
-      } else if (word == "$scope") {
-        in >> kind >> name;
-        scopes.push_back(name);
-      } else if (word == "$upscope") {
-        scopes.pop_back();
-      } else if (word == "$var") {
-        unsigned width = 0;
-        in >> kind >> width >> code >> name;
-        std::string path;
-        for (std::size_t i = 1; i < scopes.size(); ++i) path += scopes[i] + '.';  // the first is SystemC itself
-        REQUIRE(signals_.emplace(path + name, widths_.size()).second);
-        codes_.emplace(code, widths_.size());
-        widths_.push_back(width);
-      }
-    }
-    REQUIRE(scopes.empty());
-  }
-
-  void read_values(std::istream& in) {
-    std::vector<std::uint64_t> now(widths_.size());
-    const std::size_t clock = signals_.at("clock");
-    std::uint64_t time = 0;
-    bool started = false;
-    std::string line;
-    const auto require = [&line, &time](bool holds, const char* what) {
-      if (!holds) FAIL(what << ": " << line << " at " << time);
-    };
-    while (std::getline(in, line)) {
-      if (line.empty() || line[0] == '$' || line[0] == ' ') continue;
-      if (line[0] == '#') {
-        const std::uint64_t stamp = std::stoull(line.substr(1));
-        require(stamp % (period_ps / 2) == 0, "time within a half period");
-        if (!started) first_ = stamp / period_ps;
-        started = true;
-        for (; time / period_ps < stamp / period_ps; time = (time / period_ps + 1) * period_ps)
-          if (time / period_ps >= first_) values_.push_back(now);
-        time = stamp;
-        continue;
-      }
-      const bool scalar = line[0] != 'b';
-      const auto space = line.find(' ');
-      const std::string_view bits = std::string_view(line).substr(scalar ? 0 : 1, scalar ? 1 : space - 1);
-      const std::size_t signal = codes_.at(line.substr(scalar ? 1 : space + 1));
-      require(started, "value without a time");
-      require(bits.find_first_not_of("01") == std::string_view::npos, "unknown bits");
-      require(bits.size() <= widths_[signal], "wider than declared");
-      std::uint64_t value = 0;
-      for (const char bit : bits) value = value << 1 | (bit == '1');
-      require((signal == clock ? value : 1) == (time % period_ps == 0), "not at the clock's edge");
-      now[signal] = signal == clock ? 1 : value;
-    }
-    REQUIRE(time % period_ps == 0);
-  }
-
-  std::map<std::string, std::size_t> signals_;
-  std::map<std::string, std::size_t> codes_;
-  std::vector<unsigned> widths_;
-  std::uint64_t first_ = 0;
-  std::vector<std::vector<std::uint64_t>> values_;
-};
-
-/// Runs `rtusim run` on jobs of the dragon.
+/// Runs `rtusim run` on jobs of the dragon, or others.
 class runner {
  public:
   /// `count` jobs of the small frame from its middle on.
@@ -146,6 +51,13 @@ class runner {
   void design(const std::string& architecture, unsigned cores, bool random_streams) {
     common_ = fmt::format("--arch {}/testbench/architectures/{}.toml --model {}models/dragon_32.svo --set rtu.cores={}", source,
                           architecture, golden, cores);
+    if (random_streams) common_ += " --set source.valid=lfsr --set sink.ready=lfsr";
+  }
+  /// The coarse teapot for triangle cores, at this parser's clock.
+  void triangle_design(const std::string& architecture, unsigned cores, bool random_streams, const std::string& also) {
+    common_ = fmt::format("--arch {}/testbench/architectures/{}.toml --model {} --set scene.patch_quads={} --set rtu.cores={} "
+                          "--set rtu.clock_mhz=100 {}",
+                          source, architecture, teapot, teapot_quads, cores, also);
     if (random_streams) common_ += " --set source.valid=lfsr --set sink.ready=lfsr";
   }
   /// Leaves NAME.csv, NAME.json and, where the options ask for a waveform, NAME.vcd.
@@ -182,15 +94,69 @@ struct design_point { const char* architecture; unsigned cores; };
 constexpr design_point designs[] = {{"espe2019_as_built", 1}, {"espe2019_as_built", 4}, {"espe2019_as_built", 16},
                                     {"espe2019", 1},          {"espe2019", 4},          {"espe2019", 16}};
 
-/// Every signal of the window has the value that it has in the recording of the whole run, from the first to the last.
-void check_within(const vcd& window, const vcd& whole) {
-  REQUIRE(window.signals() == whole.signals());
-  REQUIRE(window.end() <= whole.end());
-  for (std::uint64_t c = window.first(); c < window.end(); ++c) {
-    if (window.at(c) == whole.at(c)) continue;
-    for (const auto& [name, signal] : window.signals()) {
-      CAPTURE(c, name);
-      REQUIRE(window.at(c)[signal] == whole.at(c)[signal]);
+/// Windows of cycles and of jobs against the recording of the whole run, and all outputs against those of a run without.
+void check_windows(const runner& r) {
+  const vcd whole = r.whole();
+  REQUIRE(whole.first() == 0);
+  REQUIRE(whole.end() == r.statistics("whole")["statistics"]["total_cycles"].get<std::uint64_t>() + 1);
+  r.run("plain", "");
+  const auto check_unchanged = [&r](const std::string& name) {
+    CHECK((r.bytes(name + ".csv") == r.bytes("plain.csv")));
+    CHECK(r.statistics(name) == r.statistics("plain"));
+  };
+  check_unchanged("whole");
+
+  const std::pair<std::uint64_t, std::uint64_t> windows[] = {{300, 420}, {401, 1'000'000}};
+  for (const auto& [from, to] : windows) {
+    CAPTURE(from, to);
+    const vcd window = r.waveform("window", fmt::format("--vcd-from {} --vcd-to {}", from, to));
+    CHECK(window.first() == from);
+    CHECK(window.end() == std::min(to + 1, whole.end()));
+    check_within(window, whole);
+    check_unchanged("window");
+  }
+
+  const auto accepted = whole.transfers("job");
+  const auto left = whole.transfers("result");
+  REQUIRE(accepted.size() == r.jobs().size());
+  const std::size_t followed[] = {0, 77, r.jobs().size() - 1};
+  for (const std::size_t n : followed) {
+    const std::uint32_t id = r.jobs()[n].pixel();
+    CAPTURE(n, id);
+    const vcd window = r.waveform("window", fmt::format("--vcd-job {}", id));
+    const auto leaves =
+        std::find_if(left.begin(), left.end(), [&](std::uint64_t c) { return (whole.value(c, "result.job_word") & job_id_mask) == id; });
+    REQUIRE(leaves != left.end());
+    CHECK(window.first() == (n == 0 ? 0 : accepted[n - 1] + 1));
+    CHECK(window.end() == *leaves + 1);
+    check_within(window, whole);
+    check_unchanged("window");
+  }
+}
+
+/// The jobs of a small frame of the coarse teapot.
+std::vector<job_packet> teapot_jobs() {
+  const triangle_model model = load_triangles(teapot, {}, 8, 10, teapot_quads);
+  camera::params eye;
+  eye.which = camera::params::kind::orbit;
+  eye.vertical_fov_degrees = 35;
+  return triangle_jobs(eye, {20, 12}, model.grid, direction_norm::one, true);
+}
+
+/// The channels' counters are those of the statistics.
+void check_channels(const vcd& w, const nlohmann::json& statistics) {
+  for (const auto& [name, figures] : statistics["statistics"]["channels"].items()) {
+    CAPTURE(name);
+    const std::string path = w.signals().count(name + ".valid") != 0 ? name : "rtu." + name;
+    std::map<std::string, std::uint64_t> counted;
+    for (std::uint64_t c = 0; c < w.end(); ++c) {
+      REQUIRE(w.value(c, path + ".transfers") == counted["transferred"]);
+      const bool valid = w.value(c, path + ".valid") != 0, ready = w.value(c, path + ".ready") != 0;
+      ++counted[valid && ready ? "transferred" : ready ? "starved" : valid ? "held_back" : "idle"];
+    }
+    for (const char* kind : {"transferred", "starved", "held_back", "idle"}) {
+      CAPTURE(kind);
+      CHECK(figures[kind] == counted[kind]);
     }
   }
 }
@@ -202,42 +168,21 @@ TEST_CASE("waveform: a window of cycles or of a job shows what a recording of th
   for (const auto& [architecture, cores] : designs) {
     CAPTURE(architecture, cores);
     r.design(architecture, cores, true);
-    const vcd whole = r.whole();
-    REQUIRE(whole.first() == 0);
-    REQUIRE(whole.end() == r.statistics("whole")["statistics"]["total_cycles"].get<std::uint64_t>() + 1);
-    r.run("plain", "");
-    const auto check_unchanged = [&r](const std::string& name) {
-      CHECK((r.bytes(name + ".csv") == r.bytes("plain.csv")));
-      CHECK(r.statistics(name) == r.statistics("plain"));
-    };
-    check_unchanged("whole");
+    check_windows(r);
+  }
+}
 
-    const std::pair<std::uint64_t, std::uint64_t> windows[] = {{300, 420}, {401, 1'000'000}};
-    for (const auto& [from, to] : windows) {
-      CAPTURE(from, to);
-      const vcd window = r.waveform("window", fmt::format("--vcd-from {} --vcd-to {}", from, to));
-      CHECK(window.first() == from);
-      CHECK(window.end() == std::min(to + 1, whole.end()));
-      check_within(window, whole);
-      check_unchanged("window");
-    }
-
-    const auto accepted = whole.transfers("job");
-    const auto left = whole.transfers("result");
-    REQUIRE(accepted.size() == r.jobs().size());
-    const std::size_t followed[] = {0, 77, r.jobs().size() - 1};
-    for (const std::size_t n : followed) {
-      const std::uint32_t id = r.jobs()[n].pixel();
-      CAPTURE(n, id);
-      const vcd window = r.waveform("window", fmt::format("--vcd-job {}", id));
-      const auto leaves =
-          std::find_if(left.begin(), left.end(), [&](std::uint64_t c) { return (whole.value(c, "result.job_word") & job_id_mask) == id; });
-      REQUIRE(leaves != left.end());
-      CHECK(window.first() == (n == 0 ? 0 : accepted[n - 1] + 1));
-      CHECK(window.end() == *leaves + 1);
-      check_within(window, whole);
-      check_unchanged("window");
-    }
+TEST_CASE("waveform: a window of triangle cores shows what a recording of the whole run shows, and changes nothing", "[waveform]") {
+  runner r(teapot_jobs());
+  struct row { const char* architecture; unsigned cores; const char* also; };
+  const row rows[] = {{"hanika2007_as_built", 1, "--set driver.norm=two"},
+                      {"hanika2007_as_built", 4, ""},
+                      {"hanika2007", 3, "--set t_div.kind=iterative --set bih_core.rays_in_flight=2"},
+                      {"hanika2007", 4, "--set bih_core.early_out=true"}};
+  for (const row& design : rows) {
+    CAPTURE(design.architecture, design.cores, design.also);
+    r.triangle_design(design.architecture, design.cores, true, design.also);
+    check_windows(r);
   }
 }
 
@@ -305,21 +250,7 @@ TEST_CASE("waveform: its channels and results are those of the statistics and of
     CAPTURE(architecture, cores);
     r.design(architecture, cores, true);
     const vcd w = r.whole();
-    const auto statistics = r.statistics("whole");
-    for (const auto& [name, figures] : statistics["statistics"]["channels"].items()) {
-      CAPTURE(name);
-      const std::string path = w.signals().count(name + ".valid") != 0 ? name : "rtu." + name;
-      std::map<std::string, std::uint64_t> counted;
-      for (std::uint64_t c = 0; c < w.end(); ++c) {
-        REQUIRE(w.value(c, path + ".transfers") == counted["transferred"]);
-        const bool valid = w.value(c, path + ".valid") != 0, ready = w.value(c, path + ".ready") != 0;
-        ++counted[valid && ready ? "transferred" : ready ? "starved" : valid ? "held_back" : "idle"];
-      }
-      for (const char* kind : {"transferred", "starved", "held_back", "idle"}) {
-        CAPTURE(kind);
-        CHECK(figures[kind] == counted[kind]);
-      }
-    }
+    check_channels(w, r.statistics("whole"));
 
     const csv_table log(r.path("whole.csv"));
     const auto left = w.transfers("result");
@@ -346,6 +277,47 @@ TEST_CASE("waveform: its channels and results are those of the statistics and of
       }
       CHECK(w.transfers(out - w.value(c, "result.cost") - 1, fmt::format("rtu.core_job_{}", field("core"))));
     }
+  }
+}
+
+TEST_CASE("waveform: the channels and results of triangle cores are those of the statistics and of the log", "[waveform]") {
+  runner r(teapot_jobs());
+  struct row { const char* architecture; unsigned cores; };
+  for (const auto& [architecture, cores] : {row{"hanika2007_as_built", 1}, row{"hanika2007", 4}}) {
+    CAPTURE(architecture, cores);
+    r.triangle_design(architecture, cores, true, "");
+    const vcd w = r.whole();
+    check_channels(w, r.statistics("whole"));
+    const csv_table log(r.path("whole.csv"));
+    const auto left = w.transfers("result");
+    REQUIRE(left.size() == log.rows());
+    std::int64_t hits = 0;
+    for (std::size_t row = 0; row < log.rows(); ++row) {
+      const auto field = [&](const char* name) { return log.number(row, log.column(name), -any_word, any_word); };
+      const std::uint64_t c = left[row];
+      const auto shown = [&](const char* name) { return static_cast<std::int64_t>(w.value(c, std::string("result.") + name)); };
+      CAPTURE(row, c);
+      REQUIRE(field("cycle") == static_cast<std::int64_t>(c));
+      CHECK(field("job_id") == shown("job_word"));
+      CHECK(field("hit") == shown("hit"));
+      CHECK(field("clocks") == shown("cost"));
+      CHECK(field("t") == shown("t_hit"));
+      CHECK(field("u") == shown("u"));
+      CHECK(field("v") == shown("v"));
+      CHECK(field("tri") == (field("hit") != 0 ? shown("triangle") : -1));
+      hits += field("hit");
+      // From its dispatch on the ray has the core for as many cycles as it costs; in the last, and in no other, it is done.
+      const std::string core = fmt::format("rtu.core_{}", field("core")), jobs = fmt::format("rtu.core_job_{}", field("core"));
+      std::uint64_t dispatched = c;
+      while (!w.transfers(dispatched, jobs) || w.value(dispatched, jobs + ".job_word") != w.value(c, "result.job_word")) --dispatched;
+      for (std::int64_t clock = 1; clock <= field("clocks"); ++clock) {
+        const std::uint64_t at = dispatched + static_cast<std::uint64_t>(clock);
+        REQUIRE(w.value(at, core + ".job_word") == w.value(c, "result.job_word"));
+        REQUIRE(w.value(at, core + ".done") == (clock == field("clocks") ? 1 : 0));
+        REQUIRE((w.value(at, core + ".state") == static_cast<std::uint64_t>(bih_state::aabb)) == (clock == 1));
+      }
+    }
+    CHECK(hits > 20);
   }
 }
 
