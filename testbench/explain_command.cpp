@@ -9,23 +9,20 @@
 #include "modules/config/schema.h"
 #include "modules/rtu/design.h"
 #include "testbench/scene.h"
+#include "testbench/run_figures.h"
 #include "testbench/simulation.h"
 #include "testbench/summary.h"
 
 namespace rtusim {
 namespace {
 
-/// The figures of the statistics file for one core and one channel; the others' are alike. Cores of other kinds have other figures.
-template <class Jobs, class Core>
 std::vector<config::report::entry> statistics_entries() {
-  run_figures run;
-  run.add(Jobs{});
-  run.add(Core{});
-  run.channels.emplace_back("job", channel_stats{});
-  config::report all;
-  all.group("statistics", [&](config::report& r) { run.describe(r); });
-  all.group("simulator", [&](config::report& r) { simulator_figures{}.describe(r); });
-  return all.entries();
+  std::vector<config::report::entry> all;
+  for (const auto& e : all_figures()) all.push_back({"statistics." + e.key, e.unit, e.meaning});
+  config::report simulator("simulator");
+  simulator_figures{}.describe(simulator);
+  for (const auto& e : simulator.entries()) all.push_back(e);
+  return all;
 }
 
 }  // namespace
@@ -47,11 +44,7 @@ std::string explain_text(const std::string& key) {
   }
   std::vector<std::string> names;
   std::string figures;
-  auto entries = statistics_entries<job_manager::stats, svo_core::stats>();
-  for (const auto& e : statistics_entries<triangle_job_manager::stats, bih_core::stats>()) {
-    const auto same = [&e](const auto& other) { return other.key == e.key; };
-    if (std::none_of(entries.begin(), entries.end(), same)) entries.push_back(e);
-  }
+  const auto entries = statistics_entries();
   for (const auto& e : entries) {
     names.push_back(e.key);
     const bool inside = e.key.rfind(key, 0) == 0 && (e.key.size() == key.size() || e.key[key.size()] == '.');

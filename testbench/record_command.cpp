@@ -28,6 +28,11 @@ json read_record(const std::filesystem::path& file) {
     throw input_error(file.string(), "version " + (all.contains("version") ? all["version"].dump() : std::string("none")), expected);
   for (const char* part : {"inputs", "parameters", "statistics", "simulator"})
     if (!all.contains(part) || !all[part].is_object()) throw input_error(file.string(), std::string("no object ") + part, expected);
+  for (const char* name : {"scene", "architecture", "model", "model_crc32", "jobs", "jobs_crc32"})
+    if (!all["inputs"].contains(name) || !all["inputs"][name].is_string())
+      throw input_error(file.string(), fmt::format("no text inputs.{}", name), expected);
+  if (!all["simulator"].contains("pace") || !all["simulator"]["pace"].is_string())
+    throw input_error(file.string(), "no text simulator.pace", expected);
   return all;
 }
 
@@ -120,7 +125,8 @@ void rerun(const rerun_options& o) {
     fmt::print("{}", differences);
     throw simulation_error(o.record.string() + ": run again, figures differ");
   }
-  if (!o.quiet) fmt::print("the same figures again: {} cycles, checksum {}\n", figures.results.last_result, shown(&record.statistics["checksum"]));
+  if (!o.quiet)
+    fmt::print("the same figures again: {} cycles, checksum {}\n", figures.results.last_result, shown(&record.statistics["checksum"]));
 }
 
 std::string difference_text(const std::filesystem::path& a, const std::filesystem::path& b) {

@@ -1,8 +1,33 @@
 #include "testbench/run_figures.h"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 namespace rtusim {
+namespace {
+
+template <class Jobs, class Core>
+std::vector<config::report::entry> figures_with() {
+  run_figures run;
+  run.add(Jobs{});
+  run.add(Core{});
+  run.channels.emplace_back("job", channel_stats{});
+  config::report all;
+  run.describe(all);
+  return all.entries();
+}
+
+}  // namespace
+
+std::vector<config::report::entry> all_figures() {
+  auto entries = figures_with<job_manager::stats, svo_core::stats>();
+  for (const auto& e : figures_with<triangle_job_manager::stats, bih_core::stats>()) {
+    const auto same = [&e](const auto& other) { return other.key == e.key; };
+    if (std::none_of(entries.begin(), entries.end(), same)) entries.push_back(e);
+  }
+  return entries;
+}
 
 numeric::float_to_fixed_stats run_figures::conversion() const {
   if (const auto* s = std::get_if<job_manager::stats>(&jobs)) return s->conversion;

@@ -41,4 +41,7 @@ struct run_figures {
   void describe(config::report& r) const;
 };
 
+/// What figures there are, over all kinds of cores. `core_0` and the channel `job` stand for the others of their kind.
+std::vector<config::report::entry> all_figures();
+
 }  // namespace rtusim

@@ -74,6 +74,12 @@ struct task {
   std::string failure;   ///< why it can't be run
 };
 
+std::string host_name() {
+  char name[256] = {};
+  gethostname(name, sizeof name - 1);
+  return name;
+}
+
 /// The folder of a sweep's results.
 class results_folder {
  public:
@@ -87,6 +93,8 @@ class results_folder {
 
   fs::path point(const task& t) const { return out_ / "points" / t.hash; }
   fs::path failure(const task& t) const { return out_ / "failed" / t.hash; }
+  /// Where a worker writes before a point is whole; other machines may work in the same folder.
+  fs::path part(const task& t, pid_t worker) const { return out_ / "points" / fmt::format(".part-{}-{}-{}", host_name(), worker, t.hash); }
   const fs::path& path() const { return out_; }
 
   /// Whether a point's results are whole: of this very run, with all pictures that are asked for.
@@ -103,26 +111,29 @@ class results_folder {
     fs::create_directories(out_);
     const fs::path mark = out_ / "sweep.json";
     if (!fs::exists(mark)) {
-      if (!fs::is_empty(out_)) throw input_error(out_.string(), "a folder that holds something else", "an empty folder, or that of a sweep");
+      // What begins with a dot may be this mark, as another machine just writes it.
+      const auto is_foreign = [](const fs::directory_entry& e) { return e.path().filename().string().rfind(".sweep.part-", 0) != 0; };
+      if (std::any_of(fs::directory_iterator(out_), fs::directory_iterator(), is_foreign) && !fs::exists(mark))
+        throw input_error(out_.string(), "a folder that holds something else", "an empty folder, or that of a sweep");
       config::output_file file(mark);
       file.write(json{{"format", "rtusim sweep"}, {"version", results_version}}.dump() + "\n");
       file.commit();
     }
     const json found = json::parse(config::read_file(mark), nullptr, false);
-    if (!found.is_object() || found.value("format", "") != "rtusim sweep")
+    if (!found.is_object() || !found.contains("format") || found["format"] != "rtusim sweep")
       throw input_error(mark.string(), "no mark of a sweep's results", "the folder of a sweep");
-    if (found.value("version", 0) != results_version)
-      throw input_error(mark.string(), fmt::format("results of version {}", found.value("version", 0)),
+    if (!found.contains("version") || found["version"] != results_version)
+      throw input_error(mark.string(), fmt::format("results of version {}", found.contains("version") ? found["version"].dump() : "none"),
                         fmt::format("version {}: another folder, or those results moved away", results_version));
     fs::create_directories(out_ / "points");
     fs::create_directories(out_ / "failed");
-    // What a worker that was killed left.
-    for (const auto& entry : fs::directory_iterator(out_ / "points"))
-      if (entry.path().filename().string().rfind(".part-", 0) == 0 && !is_running(entry.path())) fs::remove_all(entry.path());
-  }
-  static bool is_running(const fs::path& part) {
-    const std::string pid = part.extension().string();
-    return pid.size() > 1 && kill(static_cast<pid_t>(std::atol(pid.c_str() + 1)), 0) == 0;
+    // What a worker of this machine that was killed left.
+    const std::string start = ".part-" + host_name() + '-';
+    for (const auto& entry : fs::directory_iterator(out_ / "points")) {
+      const std::string name = entry.path().filename().string();
+      if (name.rfind(start, 0) == 0 && kill(static_cast<pid_t>(std::atol(name.c_str() + start.size())), 0) != 0)
+        fs::remove_all(entry.path());
+    }
   }
 
   fs::path out_;
@@ -223,7 +234,7 @@ void run_point(const sweep_plan& plan, const task& t, const shared_rays& shared,
   record.statistics = statistics.values();
   record.simulator = simulator.values();
 
-  const fs::path part = folder.path() / "points" / fmt::format(".part-{}.{}", t.hash, getpid());
+  const fs::path part = folder.part(t, getpid());
   fs::create_directories(part);
   write_record(part / "stats.json", record);
   for (const std::string& ending : plan.images()) {
@@ -235,7 +246,9 @@ void run_point(const sweep_plan& plan, const task& t, const shared_rays& shared,
   identity.commit();
   std::error_code ignored;
   fs::remove_all(folder.point(t), ignored);  // of another run with the same hash, or without these pictures
-  fs::rename(part, folder.point(t));
+  std::error_code taken;
+  fs::rename(part, folder.point(t), taken);
+  if (taken && !folder.has(t)) throw fs::filesystem_error("rename", part, folder.point(t), taken);  // else another machine was faster
   fs::remove(folder.failure(t), ignored);
 }
 
@@ -256,7 +269,8 @@ class sweep_progress {
     ++done_;
     if (!on_) return;
     const double spent = std::chrono::duration<double>(wall_clock::now() - begin_).count();
-    fmt::print(stderr, "\r{} of {} points, {:.0f} s left \033[K", done_, points_, spent / static_cast<double>(done_) * static_cast<double>(points_ - done_));
+    fmt::print(stderr, "\r{} of {} points, {:.0f} s left \033[K", done_, points_,
+               spent / static_cast<double>(done_) * static_cast<double>(points_ - done_));
   }
 
  private:
@@ -320,7 +334,7 @@ class worker_pool {
   /// What a worker that did not end well leaves.
   void clean(const task& t, pid_t pid) const {
     std::error_code ignored;
-    fs::remove_all(folder_.path() / "points" / fmt::format(".part-{}.{}", t.hash, pid), ignored);
+    fs::remove_all(folder_.part(t, pid), ignored);
   }
   void wait_for_one() {
     int status = 0;
@@ -387,6 +401,8 @@ void run_missing(const sweep_plan& plan, const std::vector<task>& tasks, const s
           shared_failure = e.what();
         } catch (const simulation_error& e) {
           shared_failure = e.what();
+        } catch (const std::bad_alloc&) {
+          shared_failure = "out of memory";
         }
       }
       if (!shared) {
@@ -413,7 +429,8 @@ void flatten(const json& from, const std::string& key, std::vector<std::pair<std
 }
 
 std::string csv_field(std::string text) {
-  std::replace_if(text.begin(), text.end(), [](char c) { return c == '\n' || c == '\r'; }, ' ');
+  std::replace_if(
+      text.begin(), text.end(), [](char c) { return c == '\n' || c == '\r'; }, ' ');
   if (text.find_first_of(",\"") == std::string::npos) return text;
   std::string quoted = "\"";
   for (const char c : text) {
@@ -434,6 +451,7 @@ std::size_t gather(const sweep_plan& plan, const std::vector<task>& tasks, const
   };
   std::vector<row> rows;
   std::size_t failed = 0;
+  std::set<std::string> missing(plan.record().begin(), plan.record().end());
   for (const task& t : tasks) {
     row r{&t, {}, {}};
     if (!folder.has(t)) {
@@ -444,12 +462,15 @@ std::size_t gather(const sweep_plan& plan, const std::vector<task>& tasks, const
     }
     const json all = json::parse(config::read_file(folder.point(t) / "stats.json"), nullptr, false);
     if (!all.is_object() || !all.contains("statistics"))
-      throw input_error((folder.point(t) / "stats.json").string(), "no statistics file", "this folder removed, so that the point is run again");
+      throw input_error((folder.point(t) / "stats.json").string(), "no statistics file",
+                        "this folder removed, so that the point is run again");
     for (const std::string& key : plan.record()) {
+      if (key.find_first_of("~/") != std::string::npos) continue;
       std::string pointer = '/' + key;
       std::replace(pointer.begin(), pointer.end(), '.', '/');
       const json::json_pointer at(pointer);
       if (!all["statistics"].contains(at)) continue;
+      missing.erase(key);
       std::vector<std::pair<std::string, json>> figures;
       flatten(all["statistics"].at(at), key, figures);
       for (auto& [name, value] : figures) {
@@ -460,8 +481,8 @@ std::size_t gather(const sweep_plan& plan, const std::vector<task>& tasks, const
     }
     rows.push_back(std::move(r));
   }
-  if (columns.empty() && failed < tasks.size())
-    throw input_error("sweep.record", fmt::format("{}", fmt::join(plan.record(), ", ")), "figures of a statistics file: 'rtusim explain statistics'");
+  if (!missing.empty() && failed < tasks.size())
+    throw input_error("sweep.record", fmt::format("{}, which no point has", fmt::join(missing, ", ")), "figures of these designs");
 
   std::string csv = "point,scene,architecture";
   for (const std::string& key : plan.axes()) csv += ',' + csv_field(key);
@@ -499,7 +520,12 @@ std::size_t gather(const sweep_plan& plan, const std::vector<task>& tasks, const
   table.write(csv);
   table.commit();
   config::output_file tree(folder.path() / "results.json");
-  tree.write(json{{"format", "rtusim sweep results"}, {"version", results_version}, {"points", points}}.dump(1, ' ', false, json::error_handler_t::replace) + '\n');
+  std::vector<std::string> names = plan.axes();
+  names.insert(names.end(), columns.begin(), columns.end());
+  json meanings = json::object();
+  for (const column_meaning& m : meanings_of(names)) meanings[m.name] = {{"unit", m.unit}, {"meaning", m.meaning}};
+  const json all{{"format", "rtusim sweep results"}, {"version", results_version}, {"columns", meanings}, {"points", points}};
+  tree.write(all.dump(1, ' ', false, json::error_handler_t::replace) + '\n');
   tree.commit();
   return failed;
 }
@@ -532,25 +558,30 @@ void submit_to_slurm(const sweep_options& o, const results_folder& folder, std::
   const fs::path program = fs::read_symlink("/proc/self/exe");
   {
     config::output_file file(script);
-    file.write(fmt::format("#!/bin/sh\n"
-                           "#SBATCH --job-name=rtusim-sweep\n"
-                           "#SBATCH --array=0-{}\n"
-                           "#SBATCH --ntasks=1\n"
-                           "#SBATCH --output={}/slurm-%a.log\n"
-                           "exec {} sweep {} --out {} --share \"$SLURM_ARRAY_TASK_ID/{}\" --quiet\n",
-                           tasks - 1, fs::absolute(folder.path()).string(), shell_quoted(program.string()),
-                           shell_quoted(fs::absolute(o.file).string()), shell_quoted(fs::absolute(folder.path()).string()), tasks));
+    // From this folder and with these names: a point's identity holds its model's path as the sweep file gives it.
+    file.write(
+        fmt::format("#!/bin/sh\n"
+                    "#SBATCH --job-name=rtusim-sweep\n"
+                    "#SBATCH --array=0-{}\n"
+                    "#SBATCH --ntasks=1\n"
+                    "#SBATCH --output=/dev/null\n"
+                    "cd {} || exit 2\n"
+                    "exec {} sweep {} --out {} --share \"$SLURM_ARRAY_TASK_ID/{}\" --quiet >{}/slurm-\"$SLURM_ARRAY_TASK_ID\".log 2>&1\n",
+                    tasks - 1, shell_quoted(fs::current_path().string()), shell_quoted(program.string()), shell_quoted(o.file.string()),
+                    shell_quoted(folder.path().string()), tasks, shell_quoted(folder.path().string())));
     file.commit();
   }
   if (std::system("command -v sbatch >/dev/null 2>&1") != 0)
     throw input_error("--engine slurm", "no sbatch on PATH", fmt::format("Slurm, or {} submitted where there is one", script.string()));
-  const std::string command = fmt::format("sbatch --wait --chdir=. {} >{} 2>&1", shell_quoted(script.string()),
-                                          shell_quoted((folder.path() / "slurm.log").string()));
+  const std::string command =
+      fmt::format("sbatch --wait {} >{} 2>&1", shell_quoted(script.string()), shell_quoted((folder.path() / "slurm.log").string()));
   if (!o.quiet) fmt::print(stderr, "{} points in a Slurm array of {} tasks\n", missing, tasks);
   const int status = std::system(command.c_str());
   if (status != 0) {
     std::string said = config::read_file(folder.path() / "slurm.log");
     said.erase(said.find_last_not_of('\n') + 1);
+    if (WIFSIGNALED(status))
+      throw simulation_error("sweep: interrupted; the array goes on (" + said + "), and the same command gathers it");
     // Tasks whose points fail end with an error, too; those points are rows with their reasons.
     if (said.find("Submitted batch job") == std::string::npos) throw input_error("sbatch", said, "a Slurm that takes jobs");
   }
@@ -585,7 +616,8 @@ void sweep(const sweep_options& o) {
   fmt::print("{} points{}: {} run now, {} there before{}, in {:.2f} s\n{}\n{}\n", tasks.size(),
              plan.left_out() != 0 ? fmt::format(" ({} left out by constraints)", plan.left_out()) : "", missing.size(),
              tasks.size() - missing.size(), failed != 0 ? fmt::format(", {} failed", failed) : "",
-             std::chrono::duration<double>(wall_clock::now() - begin).count(), (out / "results.csv").string(), (out / "results.json").string());
+             std::chrono::duration<double>(wall_clock::now() - begin).count(), (out / "results.csv").string(),
+             (out / "results.json").string());
 }
 
 }  // namespace rtusim

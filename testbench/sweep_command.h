@@ -22,8 +22,8 @@ struct sweep_options {
 ///
 /// In `out`: `points/HASH/` with the statistics file and pictures of each point, named by a hash of all that determines it; `results.csv`, a
 /// row a point in the order of the plan: point, scene, architecture, a column for each axis, status, reason, a column for each figure;
-/// `results.json`, the same. A point's folder appears only when it is whole, so what is there after an interruption counts, and
-/// what two sweeps share is run once. A point that fails is a row with its reason, and is tried again the next time.
+/// `results.json`, the same with the columns' units and meanings. A point's folder appears only when it is whole, so what is there after an
+/// interruption counts, and what two sweeps share is run once. A point that fails is a row with its reason, and is tried again the next time.
 ///
 /// Each point runs in a process of its own. Points with the same rays share their walks, where the schedule follows from these
 /// (see `replay`).

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
-#include <set>
+#include <regex>
 #include <sstream>
 
 #include <fmt/format.h>
@@ -13,6 +13,7 @@
 #include "modules/config/files.h"
 #include "modules/config/toml.h"
 #include "testbench/pictures.h"
+#include "testbench/run_figures.h"
 
 namespace rtusim {
 namespace {
@@ -21,13 +22,14 @@ constexpr std::uint64_t most_file_bytes = std::uint64_t{1} << 20;
 constexpr std::uint64_t usual_limit = 10'000, greatest_limit = 1'000'000;
 
 const std::vector<std::string>& usual_record() {
-  static const std::vector<std::string> keys{"total_cycles", "rays",    "hits",  "cycles_per_ray", "rays_per_second",      "frames_per_second",
-                                             "checksum",     "latency", "waits", "channels.job",   "channels.pending_job", "channels.result"};
+  static const std::vector<std::string> keys{"total_cycles",         "rays",           "hits",    "cycles_per_ray", "rays_per_second",
+                                             "frames_per_second",    "checksum",       "latency", "waits",          "channels.job",
+                                             "channels.pending_job", "channels.result"};
   return keys;
 }
 
-/// Keys that no parameter has are the file's fault, not a point's.
-void check_keys(const std::vector<std::string>& keys) {
+/// All parameters that an axis can turn.
+std::vector<column_meaning> all_parameters() {
   design d;
   surroundings around;
   scene what;
@@ -35,7 +37,24 @@ void check_keys(const std::vector<std::string>& keys) {
   d.describe(known);
   around.describe(known);
   what.describe(known);
-  for (const std::string& key : keys) known.explain(key);
+  std::vector<column_meaning> all{{"errata.all", "", "all errata"}};
+  for (const auto& section : known.sections())
+    for (const auto& p : section.parameters()) {
+      all.push_back({p.key, p.unit, p.meaning});
+      if (!p.alias.empty()) all.push_back({p.alias, p.unit, p.meaning});
+    }
+  return all;
+}
+
+/// The figure that stands for a column in `all_figures`: all cores have the same, and all channels.
+std::string representative(const std::string& column) {
+  static const std::regex core("^core_[0-9]+"), channel("^channels\\.[^.]+");
+  return std::regex_replace(std::regex_replace(column, core, "core_0"), channel, "channels.job");
+}
+
+/// Whether `key` is `group` or in it.
+bool is_within(const std::string& key, const std::string& group) {
+  return key.rfind(group, 0) == 0 && (key.size() == group.size() || key[group.size()] == '.');
 }
 
 /// Whether a run is one of those that a constraint allows.
@@ -113,6 +132,10 @@ class sweep_reader {
       for (const auto& entry : *list) read_step(entry);
     }
     if (plan_.scenes_.empty()) throw input_error(file_.string(), "no sweep.scenes", "a list of scene files");
+    for (const auto* files : {&plan_.scenes_, &plan_.architectures_})
+      for (const auto& f : *files)
+        if (!std::filesystem::is_regular_file(f))
+          throw input_error(file_.string(), f.string() + ", which is no file", "a path from the sweep file's folder");
     if (plan_.architectures_.empty()) plan_.architectures_.emplace_back();
     if (plan_.record_.empty()) plan_.record_ = usual_record();
     enumerate();
@@ -172,6 +195,7 @@ class sweep_reader {
         for (const std::string& text : texts(node, key)) constraints_.push_back(std::make_unique<constraint>(text, place(node)));
       } else if (key == "record") {
         plan_.record_ = texts(node, key);
+        for (const std::string& figure : plan_.record_) check_figure(node, figure);
       } else if (key == "images") {
         plan_.images_ = texts(node, key);
         for (const std::string& ending : plan_.images_) kind_of("image." + ending);
@@ -187,7 +211,31 @@ class sweep_reader {
   }
 
   void read_set(const toml::table& t) {
-    for (const auto& [key, node] : keys_of(t)) plan_.fixed_.push_back(one_value(key, *node).assignment);
+    for (const auto& [key, node] : keys_of(t)) {
+      check_key(*node, key);
+      plan_.fixed_.push_back(one_value(key, *node).assignment);
+    }
+  }
+
+  /// A key that no parameter has is the file's fault, not a point's.
+  void check_key(const toml::node& node, const std::string& key) const {
+    std::vector<std::string> keys;
+    for (const column_meaning& p : parameters_) keys.push_back(p.name);
+    if (std::find(keys.begin(), keys.end(), key) != keys.end()) return;
+    const std::string near = config::nearest(key, keys);
+    fail(node, "unknown key " + key, near.empty() ? "one of the keys that 'rtusim explain' lists" : near);
+  }
+
+  void check_figure(const toml::node& node, const std::string& figure) const {
+    std::vector<std::string> names;
+    for (const auto& e : all_figures()) {
+      if (is_within(e.key, representative(figure))) return;
+      for (std::size_t end = e.key.find('.'); end != std::string::npos; end = e.key.find('.', end + 1))
+        names.push_back(e.key.substr(0, end));
+      names.push_back(e.key);
+    }
+    const std::string near = config::nearest(figure, names);
+    fail(node, "no figure " + figure, near.empty() ? "one that 'rtusim explain statistics' lists, without \"statistics.\"" : near);
   }
 
   sweep_plan::value one_value(const std::string& key, const toml::node& node) const {
@@ -199,7 +247,7 @@ class sweep_reader {
       text << (b->get() ? "true" : "false");
     else if (const auto* f = node.as_floating_point())
       text << fmt::format("{}", f->get());
-    else if (const auto* a = node.as_array(); a != nullptr && a->size() == 3 && a->is_homogeneous())
+    else if (const auto* a = node.as_array(); a != nullptr && a->size() == 3)
       text << *a;
     else
       fail(node, key + " with what is no value", "a number, a word, true, false or three numbers");
@@ -217,6 +265,9 @@ class sweep_reader {
   }
 
   std::vector<sweep_plan::value> values_of_range(const std::string& key, const toml::table& range) const {
+    for (const auto& [name, node] : range)
+      if (const std::string_view n = name.str(); n != "from" && n != "to" && n != "step" && n != "factor")
+        fail(node, fmt::format("{} with a range that has {}", key, n), "from, to, step or factor");
     const auto number = [&](const char* name) -> std::optional<double> {
       const toml::node* node = range.get(name);
       if (node == nullptr) return {};
@@ -227,15 +278,18 @@ class sweep_reader {
     const auto from = number("from"), to = number("to"), step = number("step"), factor = number("factor");
     const char* const form = "{from = .., to = ..} with step above 0 or factor above 1";
     if (!from || !to || (step && factor)) fail(range, key + " with a range that is none", form);
-    if (*to < *from || (step && *step <= 0) || (factor && (*factor <= 1 || *from <= 0))) fail(range, key + " with a range that never ends", form);
-    const bool whole = range.get("from")->is_integer() && (!step || range.get("step")->is_integer()) && (!factor || range.get("factor")->is_integer());
+    if (*to < *from || (step && *step <= 0) || (factor && (*factor <= 1 || *from <= 0)))
+      fail(range, key + " with a range that never ends", form);
+    const bool whole =
+        range.get("from")->is_integer() && (!step || range.get("step")->is_integer()) && (!factor || range.get("factor")->is_integer());
     const double count = factor ? std::log(*to / *from) / std::log(*factor) : (*to - *from) / step.value_or(1);
-    if (count >= static_cast<double>(greatest_limit)) fail(range, fmt::format("{} with {:.0f} values", key, count), fmt::format("at most {}", greatest_limit));
+    if (count >= static_cast<double>(greatest_limit))
+      fail(range, fmt::format("{} with {:.0f} values", key, count), fmt::format("at most {}", greatest_limit));
     std::vector<sweep_plan::value> values;
     const auto steps = static_cast<std::uint64_t>(count + 1e-9);
     for (std::uint64_t i = 0; i <= steps; ++i) {
       const double v = factor ? *from * std::pow(*factor, static_cast<double>(i)) : *from + static_cast<double>(i) * step.value_or(1);
-      const std::string text = whole ? fmt::format("{:.0f}", v) : fmt::format("{}", v);
+      const std::string text = whole ? fmt::format("{:.0f}", v) : fmt::format("{:.12g}", v);  // 0.3, and not 0.30000000000000004
       values.push_back({key + '=' + text, text});
     }
     return values;
@@ -258,6 +312,7 @@ class sweep_reader {
     sweep_plan::axis_group group;
     group.rows.resize(columns.front().second.size());
     for (const auto& [key, values] : columns) {
+      check_key(node, key);
       if (std::find(plan_.keys_.begin(), plan_.keys_.end(), key) != plan_.keys_.end()) fail(node, "a second axis " + key, "each key once");
       plan_.keys_.push_back(key);
       for (std::size_t i = 0; i < values.size(); ++i) group.rows[i].push_back(values[i]);
@@ -294,8 +349,7 @@ class sweep_reader {
       std::unique_ptr<run_setup> s;
       try {
         s = plan_.setup(p);
-      } catch (const input_error&) {
-      }
+      } catch (const input_error&) {}
       if (s) {
         const auto parameters = s->parameters.values();
         if (!std::all_of(constraints_.begin(), constraints_.end(), [&](const auto& c) { return c->allows(parameters); })) {
@@ -309,13 +363,22 @@ class sweep_reader {
 
   sweep_plan& plan_;
   std::filesystem::path file_;
+  const std::vector<column_meaning> parameters_ = all_parameters();
   std::uint64_t limit_ = usual_limit;
   std::vector<std::unique_ptr<constraint>> constraints_;
 };
 
-sweep_plan::sweep_plan(const std::filesystem::path& file) : file_(file) {
-  sweep_reader(*this, file);
-  check_keys(keys_);
+sweep_plan::sweep_plan(const std::filesystem::path& file) : file_(file) { sweep_reader(*this, file); }
+
+std::vector<column_meaning> meanings_of(const std::vector<std::string>& columns) {
+  std::vector<column_meaning> known = all_parameters(), found;
+  for (const auto& e : all_figures()) known.push_back({e.key, e.unit, e.meaning});
+  for (const std::string& column : columns) {
+    const std::string like = representative(column);
+    const auto at = std::find_if(known.begin(), known.end(), [&](const column_meaning& m) { return m.name == like; });
+    found.push_back(at == known.end() ? column_meaning{column, "", ""} : column_meaning{column, at->unit, at->meaning});
+  }
+  return found;
 }
 
 std::unique_ptr<run_setup> sweep_plan::setup(const point& p) const {

@@ -1,28 +1,24 @@
 #include <catch2/catch.hpp>
 
-#include <fcntl.h>
 #include <sys/resource.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <csignal>
-#include <cstdio>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <map>
-#include <memory>
 #include <string>
 #include <vector>
 
 #include "modules/config/files.h"
+#include "testbench/tests/program.h"
 #include "testbench/tests/scratch.h"
 
 namespace rtusim {
 namespace {
 
-using words = std::vector<std::string>;
+using test::bytes_of;
+using test::outcome;
+using test::rtusim;
+using test::words;
 
 const std::string source = RTUSIM_SOURCE_DIR "/";
 const std::string golden = source + "testbench/golden/svo/";
@@ -35,51 +31,6 @@ words small_run(const words& also) {
   words all{"run", "--model", dragon, "--set", "frame.width=16", "--set", "frame.height=9", "--quiet"};
   all.insert(all.end(), also.begin(), also.end());
   return all;
-}
-
-struct outcome {
-  int status = -1;  // of its exit; -1 when it was killed
-  std::string out, err;
-};
-
-std::string text_of(std::FILE* file) {
-  std::string text;
-  std::rewind(file);
-  for (int c; (c = std::fgetc(file)) != EOF;) text += static_cast<char>(c);
-  return text;
-}
-
-/// Runs the program in a folder. No file may grow beyond `most_bytes`, which looks to it like a disk that is full.
-outcome rtusim(const test::scratch_folder& folder, const words& arguments, rlim_t most_bytes = RLIM_INFINITY) {
-  using file = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;
-  const file out(std::tmpfile(), &std::fclose), err(std::tmpfile(), &std::fclose);
-  std::string program = RTUSIM_BINARY;
-  words copies = arguments;
-  std::vector<char*> argv{program.data()};
-  for (std::string& a : copies) argv.push_back(a.data());
-  argv.push_back(nullptr);
-  const std::string home = (folder / "").string();
-
-  const pid_t child = fork();
-  if (child == 0) {
-    const rlimit bytes{most_bytes, RLIM_INFINITY}, seconds{60, 60};  // of computing: a loop without end is killed
-    setrlimit(RLIMIT_FSIZE, &bytes);
-    setrlimit(RLIMIT_CPU, &seconds);
-    std::signal(SIGXFSZ, SIG_IGN);
-    dup2(open("/dev/null", O_RDONLY), STDIN_FILENO);
-    dup2(fileno(out.get()), STDOUT_FILENO);
-    dup2(fileno(err.get()), STDERR_FILENO);
-    if (chdir(home.c_str()) == 0) execv(argv[0], argv.data());
-    _exit(127);
-  }
-  int status = 0;
-  waitpid(child, &status, 0);
-  return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, text_of(out.get()), text_of(err.get())};
-}
-
-std::string bytes_of(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
 }
 
 /// What lies in a folder: the bytes of its files by name, the hidden ones too.
