@@ -2,7 +2,9 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <set>
 #include <vector>
@@ -15,8 +17,10 @@
 #include "modules/config/schema.h"
 #include "modules/rtu/design.h"
 #include "testbench/driver.h"
+#include "testbench/grouped.h"
 #include "testbench/job_file.h"
 #include "testbench/pictures.h"
+#include "testbench/ray_list.h"
 #include "testbench/replay.h"
 #include "testbench/results_log.h"
 #include "testbench/scene.h"
@@ -49,13 +53,15 @@ struct setup {
     if (!o.scene.empty()) {
       parameters.read_toml(o.scene, with_bench(scene::sections()));
       // A path in a scene file starts at its folder; one on the command line starts here.
-      if (!what.model.model.empty()) what.model.model = (o.scene.parent_path() / what.model.model).string();
+      for (std::string* path : {&what.model.model, &what.model.rays})
+        if (!path->empty()) *path = (o.scene.parent_path() / *path).string();
     }
     // An octree in place of the scene's mesh leaves nothing to divide into voxels.
     if (is_octree(o.model)) parameters.forget("scene.resolution");
     for (const std::string& a : o.assignments) parameters.set(a);
     if (!o.model.empty()) what.model.model = o.model.string();
     parameters.check_read();
+    if (!what.model.rays.empty() && !o.jobs.empty()) throw input_error("--jobs", "with scene.rays", "one or the other");
     if (what.model.model.empty()) throw input_error("run", "no model", "a scene file, --model FILE or --set scene.model=FILE");
   }
 };
@@ -119,21 +125,47 @@ struct traced {
 
 /// What lies in the memories of the cores, as their kind needs it.
 struct loaded_model {
+  svo_limits limits;
   svo_image octree;
   std::optional<triangle_model> triangles;
 
-  explicit loaded_model(const setup& s) {
+  explicit loaded_model(const setup& s) : limits{s.unit.memory_.address_bits, s.unit.svo_core.stack_depth} {
     const scene::model_params& m = s.what.model;
     if (s.unit.has_triangles())
       triangles = load_triangles(m.model, s.unit.quantisation_, s.unit.bih_builder.leaf_triangles, s.unit.bih_core.address_bits, m.patch_quads);
     else
-      octree = load_model(m.model, m.resolution, m.patch_quads, {s.unit.memory_.address_bits, s.unit.svo_core.stack_depth});
+      octree = load_model(m.model, m.resolution, m.patch_quads, limits);
   }
   model_view view() const { return triangles ? model_view(triangles->hierarchy) : model_view(octree.words); }
-  std::vector<job_packet> jobs(const setup& s) const {
+  /// `pictured`: each ray needs a pixel.
+  std::vector<job_packet> jobs(const setup& s, bool pictured) const {
     const driver_params& driver = s.unit.driver;
+    if (!s.what.model.rays.empty()) {
+      const ray_list rays(s.what.model.rays);
+      const frame::params& f = s.what.picture;
+      if (pictured && rays.size() != std::size_t{f.width} * f.height)
+        throw input_error(s.what.model.rays, fmt::format("{} rays for a frame of {} x {}", rays.size(), f.width, f.height),
+                          "frame.width times frame.height of them, or no --image");
+      if (triangles) return triangle_jobs(rays, triangles->grid, driver.norm, driver.skip_misses, 2);
+      return list_jobs(rays, driver.last_sign_only, 0, 2);
+    }
     if (triangles) return triangle_jobs(s.what.view, s.what.picture, triangles->grid, driver.norm, driver.skip_misses, 2);
     return camera_jobs(s.what.view, s.what.picture, driver.last_sign_only, 0, 2);
+  }
+  unsigned voxels_an_edge() const { return 1u << describe(octree, "model", limits).levels; }
+  /// Where the rays that hit met the model. Of a job id that is there twice the result's ray is not known: the last one stands for it.
+  frame::places places(const std::vector<job_packet>& jobs, const frame& picture) const {
+    frame::places where;
+    where.points.resize(picture.pixels().size());
+    for (const job_packet& job : jobs) {
+      const frame::pixel& p = picture.pixels()[job.pixel()];
+      if (!p.hit) continue;
+      const double distance = static_cast<double>(p.t_hit);
+      const per_axis<float> point = triangles ? point_on_ray(job, triangles->grid, distance) : point_on_ray(job, distance);
+      if (std::isfinite(point[0] + point[1] + point[2])) where.points[job.pixel()] = point;
+    }
+    if (!triangles) where.cells = voxels_an_edge();
+    return where;
   }
   /// Words in use, and their checksum.
   std::pair<std::size_t, std::uint32_t> words() const {
@@ -169,6 +201,19 @@ traced trace(const run_options& o, const setup& s, const loaded_model& model, co
   return t;
 }
 
+/// What a contact sheet says of the run.
+picture_text text_of(const setup& s, const loaded_model& model, const traced& run) {
+  const rtu_params& rtu = s.unit.rtu;
+  const std::string name = std::filesystem::path(s.what.model.model).filename().string();
+  const std::string size = model.triangles ? fmt::format("{} triangles", grouped(model.triangles->hierarchy.triangles.size()))
+                                           : fmt::format("{} voxels an edge", model.voxels_an_edge());
+  return {fmt::format("{}, {}", name, size),
+          fmt::format("{} x {} pixels, {} rays traced by {} {} {} in {} cycles: {:.2f} ms at {} MHz", s.what.picture.width,
+                      s.what.picture.height, grouped(run.speed.rays), rtu.cores, model.triangles ? "triangle" : "voxel",
+                      rtu.cores == 1 ? "core" : "cores", grouped(run.speed.cycles), static_cast<double>(run.speed.cycles) / rtu.clock_mhz / 1e3,
+                      rtu.clock_mhz)};
+}
+
 }  // namespace
 
 void run(const run_options& o) {
@@ -182,7 +227,7 @@ void run(const run_options& o) {
 
   const bool triangles = s.unit.has_triangles();
   const loaded_model model(s);
-  const std::vector<job_packet> jobs = o.jobs.empty() ? model.jobs(s) : read_jobs(o.jobs);
+  const std::vector<job_packet> jobs = o.jobs.empty() ? model.jobs(s, !o.images.empty()) : read_jobs(o.jobs);
   if (!o.save_jobs.empty()) write_jobs(o.save_jobs, jobs);
   std::optional<frame> picture;
   std::optional<triangle_surfaces> surfaces;
@@ -208,7 +253,12 @@ void run(const run_options& o) {
                       "frame.width and frame.height of the jobs, or no --image");
 
   if (log) log->commit();
-  for (std::size_t i = 0; i < kinds.size(); ++i) write_picture(o.images[i], *picture, kinds[i]);
+  if (picture) {
+    picture->set_way(run.figures.results.way_cycles());
+    if (std::any_of(kinds.begin(), kinds.end(), shows_places)) picture->set_places(model.places(jobs, *picture));
+    const picture_text text = text_of(s, model, run);
+    for (std::size_t i = 0; i < kinds.size(); ++i) write_picture(o.images[i], *picture, kinds[i], text);
+  }
 
   config::report statistics;
   run.figures.describe(statistics);
@@ -228,7 +278,7 @@ void run(const run_options& o) {
   run.speed.describe(simulator);
   record.simulator = simulator.values();
   if (!o.statistics.empty()) write_record(o.statistics, record);
-  if (const auto c = run.figures.conversion(); c.overflows + c.nans != 0 && !o.jobs.empty())
+  if (const auto c = run.figures.conversion(); c.overflows + c.nans != 0 && !(o.jobs.empty() && s.what.model.rays.empty()))
     fmt::print(stderr, "rtusim: warning: {} parameters of the jobs lie beyond the fixed-point range, {} are no number\n", c.overflows,
                c.nans);
   if (triangles && model.triangles->dropped + model.triangles->clamped != 0)
