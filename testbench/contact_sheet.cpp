@@ -36,8 +36,9 @@ constexpr int enlarged = 4;
 constexpr colour paper = of_bytes(255, 255, 255);
 constexpr colour ink = of_bytes(28, 30, 34);
 constexpr colour soft_ink = of_bytes(96, 100, 108);
-constexpr const char* plain_font = "DejaVuSans";
-constexpr const char* bold_font = "DejaVuSans-Bold";
+// Where Debian has them; by their names alone OpenImageIO would search all fonts for each line.
+constexpr const char* plain_font = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";
+constexpr const char* bold_font = "/usr/share/fonts/truetype/dejavu/DejaVuSans-Bold.ttf";
 
 std::array<float, 3> floats(const colour& c) { return {static_cast<float>(c[0]), static_cast<float>(c[1]), static_cast<float>(c[2])}; }
 
@@ -88,9 +89,17 @@ class sheet {
   void write(int x, int y, std::string text, const face& how, int room, algo::TextAlignX align = algo::TextAlignX::Left) {
     std::replace_if(
         text.begin(), text.end(), [](char c) { return (c >= '\0' && c < ' ') || c == '\x7f'; }, '?');
-    for (std::string whole = text; !whole.empty() && width_of(text, how) > room;) {
+    const auto cut = [](std::string& whole) {  // by a letter, which may be several bytes
       do whole.pop_back();
       while (!whole.empty() && (static_cast<unsigned char>(whole.back()) & 0xc0) == 0x80);
+    };
+    for (std::string whole = text; !whole.empty();) {
+      const int wide = width_of(text, how);
+      if (wide <= room) break;
+      // Letters differ in width: not quite all that seem too many.
+      const auto kept = whole.size() * static_cast<std::size_t>(room) / static_cast<std::size_t>(wide) + 4;
+      do cut(whole);
+      while (whole.size() > kept);
       text = whole + "...";
     }
     if (text.empty()) return;
@@ -106,7 +115,7 @@ class sheet {
   /// One map with all that belongs to it; where its end is.
   int panel(int x, int y, picture_kind kind) {
     picture_map map = map_of(frame_, kind);
-    if (is_cut(map)) map.meaning += fmt::format(" The middle, {} times enlarged.", enlarged);
+    if (is_cut(map)) map.meaning += fmt::format(" The picture's middle, {} times enlarged.", enlarged);
     write(x, y + 20, map.title, title, panel_width);
     write(x, y + 40, map.meaning, sentence, panel_width);
     paste(x, y + above_panel, map);

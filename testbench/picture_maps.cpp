@@ -3,11 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <memory>
+#include <utility>
 
 #include <fmt/format.h>
 
-#include "testbench/ambient_shade.h"
 #include "testbench/grouped.h"
 
 namespace rtusim {
@@ -154,15 +153,6 @@ picture_map shaded_map(const frame& f) {
   return map;
 }
 
-picture_map lit_map(const frame& f) {
-  const auto shade = std::make_shared<surface_shade>(shade_of(f));
-  picture_map map = hit_map(
-      f, "Lit", "What the rays hit, in light from the upper left; crevices are darker.",
-      [shade, light = light_of(f)](std::size_t i) { return lit_hit(shade->normals[i], static_cast<double>(shade->open[i]), light); });
-  map.swatches = {{nothing_met, "no hit"}};
-  return map;
-}
-
 picture_map depth_map(const frame& f) {
   const depth_span span(f);
   picture_map map = hit_map(f, "Depth", "How far along its ray each hit lies.", [&f, span](std::size_t i) {
@@ -226,8 +216,7 @@ picture_map core_map(const frame& f) {
     if (p.traced()) cores = std::max(cores, p.core + 1u);
   picture_map map;
   map.title = "Core";
-  map.meaning = cores > told_apart ? fmt::format("Which of the cores traced the ray: its number modulo {}.", told_apart)
-                                   : "Which of the cores traced the ray, by its number.";
+  map.meaning = cores > told_apart ? fmt::format("Which core traced the ray, modulo {}.", told_apart) : "Which core traced the ray.";
   map.at = [&f](std::size_t i) {
     const frame::pixel& p = f.pixels()[i];
     return !p.arrived ? no_result : p.traced() ? of_category(p.core) : nothing_met;
@@ -252,7 +241,7 @@ picture_map model_map(const frame& f) {
 
 picture_map base_map(const frame& f, picture_kind kind) {
   switch (kind) {
-    case picture_kind::lit: return lit_map(f);
+    case picture_kind::lit: return lit_map(f, std::make_shared<surface_shade>(shade_of(f)));
     case picture_kind::depth: return depth_map(f);
     case picture_kind::normal: return normal_map(f);
     case picture_kind::cost: return cost_map(f);
@@ -294,6 +283,15 @@ picture_map map_of(const frame& f, picture_kind kind) {
   if (numbers && std::any_of(pixels.begin(), pixels.end(), [](const frame::pixel& p) { return p.arrived && !p.traced(); }))
     map.swatches.push_back({nothing_met, "no ray sent"});
   if (f.arrived() != pixels.size()) map.swatches.push_back({no_result, "no result"});
+  return map;
+}
+
+picture_map lit_map(const frame& f, std::shared_ptr<const surface_shade> shade) {
+  picture_map map = hit_map(f, "Lit", "What the rays hit, in light from the upper left; crevices are darker.",
+                            [shade = std::move(shade), light = light_of(f)](std::size_t i) {
+                              return lit_hit(shade->normals[i], static_cast<double>(shade->open[i]), light);
+                            });
+  map.swatches = {{nothing_met, "no hit"}};
   return map;
 }
 

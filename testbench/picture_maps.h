@@ -4,10 +4,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "testbench/ambient_shade.h"
 #include "testbench/frame.h"
 #include "testbench/picture_colours.h"
 #include "testbench/pictures.h"
@@ -57,6 +59,9 @@ struct picture_map {
 
 /// The map that a PNG of this kind shows: any but `sheet` and `layers`. The frame must outlive it.
 picture_map map_of(const frame& f, picture_kind kind);
+
+/// The map of kind `lit`, where the frame's shade is known.
+picture_map lit_map(const frame& f, std::shared_ptr<const surface_shade> shade);
 
 /// A whole number with its thousands told apart, another one with four digits.
 std::string number_text(double value);

@@ -3,6 +3,8 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -43,6 +45,7 @@ layer three(std::vector<std::string> names, Value value) {
 std::vector<layer> layers_of(const frame& f) {
   const auto& pixels = f.pixels();
   const auto& points = f.where().points;
+  const auto shade = std::make_shared<surface_shade>(shade_of(f));
   const auto light = [](const picture_map& map) {
     return [at = map.at](std::size_t i) {
       colour c = at(i);
@@ -59,8 +62,8 @@ std::vector<layer> layers_of(const frame& f) {
       one("core", [&](std::size_t i) { return pixels[i].arrived ? static_cast<float>(pixels[i].core) : -1.0f; }),
       one("latency", [&](std::size_t i) { return static_cast<float>(pixels[i].latency_cycles); }),
       one("wait", [&](std::size_t i) { return static_cast<float>(f.wait_cycles(pixels[i])); }),
-      three({"lit.R", "lit.G", "lit.B"}, light(map_of(f, picture_kind::lit))),
-      one("ambient", [open = shade_of(f).open](std::size_t i) { return open[i]; }),
+      three({"lit.R", "lit.G", "lit.B"}, light(lit_map(f, shade))),
+      one("ambient", [shade](std::size_t i) { return shade->open[i]; }),
       three({"position.x", "position.y", "position.z"}, [&](std::size_t i) { return points.empty() ? std::array<float, 3>{} : points[i]; }),
       one("model", [&](std::size_t i) { return pixels[i].hit ? 0.0f : -1.0f; })};
   if (!f.surfaces().empty())

@@ -210,8 +210,8 @@ picture_text text_of(const setup& s, const loaded_model& model, const traced& ru
   return {fmt::format("{}, {}", name, size),
           fmt::format("{} x {} pixels, {} rays traced by {} {} {} in {} cycles: {:.2f} ms at {} MHz", s.what.picture.width,
                       s.what.picture.height, grouped(run.speed.rays), rtu.cores, model.triangles ? "triangle" : "voxel",
-                      rtu.cores == 1 ? "core" : "cores", grouped(run.speed.cycles), static_cast<double>(run.speed.cycles) / rtu.clock_mhz / 1e3,
-                      rtu.clock_mhz)};
+                      rtu.cores == 1 ? "core" : "cores", grouped(run.speed.cycles),
+                      static_cast<double>(run.speed.cycles) / rtu.clock_mhz / 1e3, rtu.clock_mhz)};
 }
 
 }  // namespace
@@ -227,8 +227,9 @@ void run(const run_options& o) {
 
   const bool triangles = s.unit.has_triangles();
   const loaded_model model(s);
-  const std::vector<job_packet> jobs = o.jobs.empty() ? model.jobs(s, !o.images.empty()) : read_jobs(o.jobs);
+  std::vector<job_packet> jobs = o.jobs.empty() ? model.jobs(s, !o.images.empty()) : read_jobs(o.jobs);
   if (!o.save_jobs.empty()) write_jobs(o.save_jobs, jobs);
+  const std::uint32_t jobs_crc = crc32_of(jobs.data(), jobs.size() * sizeof(job_packet));
   std::optional<frame> picture;
   std::optional<triangle_surfaces> surfaces;
   if (!o.images.empty()) {
@@ -256,6 +257,7 @@ void run(const run_options& o) {
   if (picture) {
     picture->set_way(run.figures.results.way_cycles());
     if (std::any_of(kinds.begin(), kinds.end(), shows_places)) picture->set_places(model.places(jobs, *picture));
+    std::vector<job_packet>().swap(jobs);  // pictures need the room
     const picture_text text = text_of(s, model, run);
     for (std::size_t i = 0; i < kinds.size(); ++i) write_picture(o.images[i], *picture, kinds[i], text);
   }
@@ -270,7 +272,7 @@ void run(const run_options& o) {
                    {triangles ? "model_triangles" : "model_words", model_words},
                    {"model_crc32", fmt::format("{:08x}", model_crc)},
                    {"jobs", o.jobs.string()},
-                   {"jobs_crc32", fmt::format("{:08x}", crc32_of(jobs.data(), jobs.size() * sizeof(job_packet)))}};
+                   {"jobs_crc32", fmt::format("{:08x}", jobs_crc)}};
   record.parameters = s.parameters.values();
   record.statistics = statistics.values();
   run.speed.all_seconds = seconds(wall_clock::now() - start).count();

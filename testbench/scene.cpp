@@ -11,7 +11,7 @@ void scene::model_params::describe(config::section& s) {
   s.text("model", model,
          "an octree (.svo) or a mesh (.ply, .obj, .stl, .gltf, .bpt; zipped or not); a path in a scene file starts at its folder");
   s.text("rays", rays,
-         "a list of rays (.csv or .bin; zipped or not) in place of the camera: ray i is pixel i; a path in a scene file starts at its folder")
+         "a list of rays (.csv, .bin; zipped or not) in place of the camera, ray i of pixel i; a path in a scene file starts at its folder")
       .when([this] { return !rays.empty(); }, "scene.rays names a file");
   s.number("resolution", resolution, {voxel_grid::least_resolution, voxel_grid::most_resolution}, "voxels",
            "voxels an edge, a power of two, that a mesh is divided into")
