@@ -19,6 +19,12 @@ std::uint32_t binary32_bits(double value) {
 /// `a` with only its last set bit in x, y, z order (erratum `last_sign_only`).
 constexpr std::array<std::uint32_t, 8> last_sign{0, 1, 2, 2, 4, 4, 4, 4};
 
+double value_of(std::uint32_t float_bits) {
+  float value;
+  std::memcpy(&value, &float_bits, sizeof value);
+  return static_cast<double>(value);
+}
+
 /// The traversal parameters of `n` rays side by side.
 template <std::size_t n>
 struct slab_lanes {
@@ -84,39 +90,31 @@ bool meets_box(const double (&o)[3], const double (&d)[3], const per_axis<double
   return enter <= leave;
 }
 
-}  // namespace
-
-job_packet traversal_parameters(const per_axis<double>& origin, const per_axis<double>& direction, std::uint32_t job_id,
-                                bool last_sign_only, std::uint32_t model_address) {
-  const double o[3][1]{{origin[0]}, {origin[1]}, {origin[2]}}, d[3][1]{{direction[0]}, {direction[1]}, {direction[2]}};
-  slab_lanes<1> slabs;
-  slabs.compute(o, d);
-  return slabs.packet(0, job_id & job_id_mask, last_sign_only, model_address);
-}
-
-std::vector<job_packet> camera_jobs(const camera::params& p, const frame::params& f, bool last_sign_only, std::uint32_t model_address,
-                                    unsigned threads) {
-  const camera eye(p, f);
-  std::vector<job_packet> jobs(std::size_t{f.width} * f.height);
-  share_rows(f.height, threads, [&](unsigned first, unsigned past) {
+/// Packets for voxel cores, of anything that gives rays as a camera does.
+template <class Rays>
+std::vector<job_packet> voxel_packets(const Rays& source, unsigned height, std::size_t count, bool last_sign_only,
+                                      std::uint32_t model_address, unsigned threads) {
+  std::vector<job_packet> jobs(count);
+  share_rows(height, threads, [&](unsigned first, unsigned past) {
     slab_lanes<ray_lanes::count> slabs;
-    eye.rows(first, past, [&](const ray_lanes& rays, unsigned count, std::uint32_t pixel) {
+    source.rows(first, past, [&](const ray_lanes& rays, unsigned lanes, std::uint32_t pixel) {
       slabs.compute(rays.origin, rays.direction);
-      for (unsigned i = 0; i < count; ++i) jobs[pixel + i] = slabs.packet(i, pixel + i, last_sign_only, model_address);
+      for (unsigned i = 0; i < lanes; ++i) jobs[pixel + i] = slabs.packet(i, pixel + i, last_sign_only, model_address);
     });
   });
   return jobs;
 }
 
-std::vector<job_packet> triangle_jobs(const camera::params& p, const frame::params& f, const grid_mapping& grid, direction_norm norm,
-                                      bool skip_misses, unsigned threads) {
-  const camera eye(p, f);
+/// Packets for triangle cores.
+template <class Rays>
+std::vector<job_packet> triangle_packets(const Rays& source, unsigned height, std::size_t count, const grid_mapping& grid,
+                                         direction_norm norm, bool skip_misses, unsigned threads) {
   const double unit = std::ldexp(1.0, -static_cast<int>(grid.n));
-  std::vector<job_packet> jobs(std::size_t{f.width} * f.height);
+  std::vector<job_packet> jobs(count);
   constexpr std::uint32_t not_sent = ~0u;
-  share_rows(f.height, threads, [&](unsigned first, unsigned past) {
-    eye.rows(first, past, [&](const ray_lanes& rays, unsigned count, std::uint32_t pixel) {
-      for (unsigned i = 0; i < count; ++i) {
+  share_rows(height, threads, [&](unsigned first, unsigned past) {
+    source.rows(first, past, [&](const ray_lanes& rays, unsigned lanes, std::uint32_t pixel) {
+      for (unsigned i = 0; i < lanes; ++i) {
         job_packet& job = jobs[pixel + i];
         double o[3], d[3], sum = 0;
         for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -135,6 +133,56 @@ std::vector<job_packet> triangle_jobs(const camera::params& p, const frame::para
   });
   jobs.erase(std::remove_if(jobs.begin(), jobs.end(), [](const job_packet& j) { return j.job_word == not_sent; }), jobs.end());
   return jobs;
+}
+
+}  // namespace
+
+job_packet traversal_parameters(const per_axis<double>& origin, const per_axis<double>& direction, std::uint32_t job_id,
+                                bool last_sign_only, std::uint32_t model_address) {
+  const double o[3][1]{{origin[0]}, {origin[1]}, {origin[2]}}, d[3][1]{{direction[0]}, {direction[1]}, {direction[2]}};
+  slab_lanes<1> slabs;
+  slabs.compute(o, d);
+  return slabs.packet(0, job_id & job_id_mask, last_sign_only, model_address);
+}
+
+std::vector<job_packet> camera_jobs(const camera::params& p, const frame::params& f, bool last_sign_only, std::uint32_t model_address,
+                                    unsigned threads) {
+  return voxel_packets(camera(p, f), f.height, std::size_t{f.width} * f.height, last_sign_only, model_address, threads);
+}
+
+std::vector<job_packet> list_jobs(const ray_list& rays, bool last_sign_only, std::uint32_t model_address, unsigned threads) {
+  return voxel_packets(rays, rays.height(), rays.size(), last_sign_only, model_address, threads);
+}
+
+std::vector<job_packet> triangle_jobs(const camera::params& p, const frame::params& f, const grid_mapping& grid, direction_norm norm,
+                                      bool skip_misses, unsigned threads) {
+  return triangle_packets(camera(p, f), f.height, std::size_t{f.width} * f.height, grid, norm, skip_misses, threads);
+}
+
+std::vector<job_packet> triangle_jobs(const ray_list& rays, const grid_mapping& grid, direction_norm norm, bool skip_misses,
+                                      unsigned threads) {
+  return triangle_packets(rays, rays.height(), rays.size(), grid, norm, skip_misses, threads);
+}
+
+per_axis<float> point_on_ray(const job_packet& job, double distance) {
+  per_axis<float> point{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double t0 = value_of(job.t0[axis]), t1 = value_of(job.t1[axis]);
+    const double mirrored = -1 + (distance - t0) * (2 / (t1 - t0));
+    point[axis] = static_cast<float>((job.job_word >> (job_id_bits + axis) & 1) != 0 ? -mirrored : mirrored);
+  }
+  return point;
+}
+
+per_axis<float> point_on_ray(const job_packet& job, const grid_mapping& grid, double distance) {
+  double sum = 0;
+  for (const std::uint32_t d : job.t1) sum += value_of(d) * value_of(d);
+  const double units = std::ldexp(1.0, static_cast<int>(grid.n)) / grid.scale;
+  per_axis<float> point{};
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    point[axis] = static_cast<float>(value_of(job.t0[axis]) * units - grid.centre[axis] / grid.scale +
+                                     distance * (value_of(job.t1[axis]) / std::sqrt(sum)));
+  return point;
 }
 
 }  // namespace rtusim

@@ -8,6 +8,7 @@
 #include "modules/rtu/design.h"
 #include "testbench/camera.h"
 #include "testbench/frame.h"
+#include "testbench/ray_list.h"
 
 /// What the host's driver makes of rays before it sends them.
 namespace rtusim {
@@ -30,6 +31,8 @@ job_packet traversal_parameters(const per_axis<double>& origin, const per_axis<d
 /// Errors: as the camera's constructor.
 std::vector<job_packet> camera_jobs(const camera::params& p, const frame::params& f, bool last_sign_only, std::uint32_t model_address,
                                     unsigned threads = 1);
+/// The same of listed rays.
+std::vector<job_packet> list_jobs(const ray_list& rays, bool last_sign_only, std::uint32_t model_address, unsigned threads = 1);
 
 /// How world coordinates lie on a triangle model's grid: grid = world * scale + centre, in grid units.
 struct grid_mapping {
@@ -44,5 +47,13 @@ struct grid_mapping {
 /// Errors: as the camera's constructor.
 std::vector<job_packet> triangle_jobs(const camera::params& p, const frame::params& f, const grid_mapping& grid, direction_norm norm,
                                       bool skip_misses, unsigned threads = 1);
+/// The same of listed rays.
+std::vector<job_packet> triangle_jobs(const ray_list& rays, const grid_mapping& grid, direction_norm norm, bool skip_misses,
+                                      unsigned threads = 1);
+
+/// A point on a ray in world units, `distance` from its origin, as far as its packet's words tell.
+per_axis<float> point_on_ray(const job_packet& job, double distance);
+/// The same of triangle cores' rays.
+per_axis<float> point_on_ray(const job_packet& job, const grid_mapping& grid, double distance);
 
 }  // namespace rtusim

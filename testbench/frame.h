@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "modules/config/section.h"
@@ -34,8 +35,17 @@ class frame {
     std::int8_t normal_sign = 0;        ///< +1 or -1 on that axis, 0 without one
     bool hit = false;
     bool arrived = false;               ///< false: no result came for this pixel
+
+    /// Whether it has the result of a ray: a ray that was sent takes a cycle at least.
+    bool traced() const { return arrived && latency_cycles != 0; }
   };
   static_assert(sizeof(pixel) == 20);
+
+  /// Where the hits lie, for pictures that show more than the results' words.
+  struct places {
+    std::vector<std::array<float, 3>> points;  ///< in world units, a pixel's; of a hit that is nowhere, and of a miss, 0
+    unsigned cells = 0;                        ///< finest voxels an edge of the cube [-1, 1]^3; 0 where cores trace triangles
+  };
 
   /// What a pixel of triangle cores shows.
   struct surface {
@@ -77,12 +87,23 @@ class frame {
     return true;
   }
 
+  /// `cycles`: of each ray's latency beside its cost in which it waits for nobody.
+  void set_way(std::uint64_t cycles) { way_cycles_ = cycles; }
+  /// Of a ray's latency, the cycles in which it waited: for a core, for the core's result buffer, for its turn to leave.
+  std::uint32_t wait_cycles(const pixel& p) const {
+    return static_cast<std::uint32_t>(p.latency_cycles - std::min<std::uint64_t>(p.latency_cycles, p.cost + way_cycles_));
+  }
+  /// `where` has a point for every pixel.
+  void set_places(places where) { places_ = std::move(where); }
+
   unsigned width() const { return width_; }
   unsigned height() const { return height_; }
   const pixel& at(unsigned x, unsigned y) const { return pixels_[std::size_t{y} * width_ + x]; }
   const std::vector<pixel>& pixels() const { return pixels_; }
   /// In raster order; empty where cores trace voxels.
   const std::vector<surface>& surfaces() const { return surfaces_; }
+  /// Without points unless they were set.
+  const places& where() const { return places_; }
   std::uint64_t arrived() const { return arrived_; }  ///< pixels with a result
   std::uint64_t strays() const { return strays_; }    ///< results whose id lies outside the frame
 
@@ -92,6 +113,8 @@ class frame {
   double unit_;  // the worth of t_hit's last bit
   std::vector<pixel> pixels_;
   std::vector<surface> surfaces_;
+  places places_;
+  std::uint64_t way_cycles_ = 0;
   std::uint64_t arrived_ = 0;
   std::uint64_t strays_ = 0;
 };

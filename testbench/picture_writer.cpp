@@ -1,149 +1,87 @@
 #include "testbench/picture_writer.h"
 
-#include <algorithm>
 #include <array>
-#include <cerrno>
-#include <cmath>
 #include <cstddef>
-#include <cstdio>
-#include <limits>
+#include <cstdint>
+#include <functional>
 #include <memory>
-#include <optional>
 #include <string>
-#include <system_error>
 #include <vector>
 
-#include <OpenImageIO/filesystem.h>
-#include <OpenImageIO/imageio.h>
-#include <fmt/format.h>
-
-#include "modules/config/error.h"
-#include "modules/config/files.h"
+#include "testbench/ambient_shade.h"
+#include "testbench/contact_sheet.h"
+#include "testbench/picture_file.h"
+#include "testbench/picture_maps.h"
 
 namespace rtusim {
 namespace {
 
-using colour = std::array<double, 3>;  // sRGB, 0 to 1
-
-constexpr colour nothing_arrived{0, 0, 0};
-constexpr colour miss_of_depth{0.08, 0.12, 0.30};
-constexpr double nearest_grey = 0.95, farthest_grey = 0.15;
-constexpr unsigned rows_a_write = 64;
-
-colour grey(double value) { return {value, value, value}; }
-
-double linear_light(double srgb) { return srgb <= 0.04045 ? srgb / 12.92 : std::pow((srgb + 0.055) / 1.055, 2.4); }
-
-/// A triangle's by the light that falls on it from above the eye's left; the eye is where its normal points.
-colour shaded_hit(const frame& f, const frame::pixel& p) {
-  if (f.surfaces().empty()) return grey(p.normal_axis == 0 ? 0.7 : p.normal_axis == 1 ? 0.9 : 0.5);
-  const auto& n = f.surfaces()[static_cast<std::size_t>(&p - f.pixels().data())].normal;
-  const double lit = (0.4 * n[0] + 0.8 * n[1] + 0.45 * n[2] + 1) / 2;
-  return grey(0.2 + 0.75 * std::clamp(lit, 0.0, 1.0));
-}
-
-colour shaded(const frame& f, const frame::pixel& p) {
-  if (!p.arrived) return nothing_arrived;
-  return p.hit ? shaded_hit(f, p) : grey(1);
-}
-
-colour cost_shown(const frame& f, const frame::pixel& p) {
-  if (!p.arrived) return nothing_arrived;
-  if (p.hit) return shaded_hit(f, p);
-  const double rest = std::min(1.0, std::pow(0.95, (p.cost - 2.0) / 2.0));
-  return {1, rest, rest};
-}
-
-/// The span of t_hit over a frame's hits.
-struct depth_span {
-  double least = std::numeric_limits<double>::infinity();
-  double most = -std::numeric_limits<double>::infinity();
-
-  explicit depth_span(const frame& f) {
-    for (const auto& p : f.pixels())
-      if (p.hit) {
-        least = std::min<double>(least, p.t_hit);
-        most = std::max<double>(most, p.t_hit);
-      }
-  }
-  colour shown(const frame::pixel& p) const {
-    if (!p.arrived) return nothing_arrived;
-    if (!p.hit) return miss_of_depth;
-    const double far = most > least ? (p.t_hit - least) / (most - least) : 0;
-    return grey(nearest_grey + far * (farthest_grey - nearest_grey));
-  }
-};
-
-/// A picture being written: OpenImageIO writes beside the final place, and its complaints become input errors. It writes through
-/// a handle of ours, as left to itself it takes no notice when the last bytes of a PNG find the disk full.
-class picture_file {
- public:
-  picture_file(const std::filesystem::path& file, const char* format, const OIIO::ImageSpec& spec)
-      : name_(file.string()), file_(file), writer_(OIIO::ImageOutput::create(format)) {
-    if (!writer_) fail(OIIO::geterror());
-    file_.release();
-    handle_.reset(std::fopen(file_.temporary().c_str(), "wb"));
-    if (!handle_) fail(std::generic_category().message(errno));
-    sink_.emplace(handle_.get(), OIIO::Filesystem::IOProxy::Write);
-    check(writer_->set_ioproxy(&*sink_));
-    check(writer_->open(name_, spec));
-  }
-  void rows(unsigned first, unsigned past, OIIO::TypeDesc type, const void* data) {
-    check(writer_->write_scanlines(static_cast<int>(first), static_cast<int>(past), 0, type, data));
-  }
-  void commit() {
-    check(writer_->close());
-    const bool failed_before = std::ferror(handle_.get()) != 0;
-    if (std::fclose(handle_.release()) != 0 || failed_before) fail("not all of it could be written");
-    file_.commit();
-  }
-
- private:
-  struct closer {
-    void operator()(std::FILE* handle) const { std::fclose(handle); }
-  };
-  void check(bool good) const {
-    if (!good) fail(writer_->geterror());
-  }
-  [[noreturn]] void fail(std::string why) const {
-    std::replace(why.begin(), why.end(), '\n', ' ');
-    throw input_error(name_, why, "a place where a picture can be written");
-  }
-
-  // In this order: a writer that is given up still writes its end, and the file is removed last.
-  std::string name_;
-  config::output_file file_;
-  std::unique_ptr<std::FILE, closer> handle_;
-  std::optional<OIIO::Filesystem::IOFile> sink_;
-  std::unique_ptr<OIIO::ImageOutput> writer_;
-};
-
-/// Rows in bands, so that a large frame needs no second copy: `fill(pixel, to)` puts one pixel's channels.
-template <class Value, class Fill>
-void write_bands(picture_file& out, const frame& picture, std::size_t channels, OIIO::TypeDesc type, Fill fill) {
-  std::vector<Value> band(channels * picture.width() * rows_a_write);
-  for (unsigned first = 0; first < picture.height(); first += rows_a_write) {
-    const unsigned past = std::min(first + rows_a_write, picture.height());
-    Value* to = band.data();
-    for (unsigned y = first; y < past; ++y)
-      for (unsigned x = 0; x < picture.width(); ++x, to += channels) fill(picture.at(x, y), to);
-    out.rows(first, past, type, band.data());
-  }
-  out.commit();
-}
-
-template <class Paint>
-void write_png(const std::filesystem::path& file, const frame& picture, Paint paint) {
-  OIIO::ImageSpec spec(static_cast<int>(picture.width()), static_cast<int>(picture.height()), 3, OIIO::TypeDesc::UINT8);
-  spec.attribute("oiio:ColorSpace", "sRGB");
-  picture_file out(file, "png", spec);
-  write_bands<std::uint8_t>(out, picture, 3, OIIO::TypeDesc::UINT8, [&](const frame::pixel& p, std::uint8_t* to) {
-    for (const double value : paint(p)) *to++ = static_cast<std::uint8_t>(value * 255);
+void write_png(const std::filesystem::path& file, const frame& picture, picture_kind kind) {
+  const picture_map map = map_of(picture, kind);
+  picture_file out(file, "png", png_spec(picture.width(), picture.height(), scale_text(map)));
+  write_bands<std::uint8_t>(out, picture, 3, OIIO::TypeDesc::UINT8, [&](std::size_t pixel, std::uint8_t* to) {
+    for (const double value : map.at(pixel)) *to++ = static_cast<std::uint8_t>(value * 255);
   });
 }
 
+/// A layer of the EXR.
+struct layer {
+  std::vector<std::string> channels;
+  std::function<void(std::size_t pixel, float* to)> put;
+};
+
+layer one(const char* name, std::function<float(std::size_t)> value) {
+  return {{name}, [value = std::move(value)](std::size_t i, float* to) { *to = value(i); }};
+}
+
+/// `value` gives three numbers.
+template <class Value>
+layer three(std::vector<std::string> names, Value value) {
+  return {std::move(names), [value](std::size_t i, float* to) {
+            for (const auto v : value(i)) *to++ = static_cast<float>(v);
+          }};
+}
+
+std::vector<layer> layers_of(const frame& f) {
+  const auto& pixels = f.pixels();
+  const auto& points = f.where().points;
+  const auto shade = std::make_shared<surface_shade>(shade_of(f));
+  const auto light = [](const picture_map& map) {
+    return [at = map.at](std::size_t i) {
+      colour c = at(i);
+      for (double& value : c) value = linear_light(value);
+      return c;
+    };
+  };
+  std::vector<layer> all{
+      three({"R", "G", "B"}, light(map_of(f, picture_kind::shaded))),
+      one("hit", [&](std::size_t i) { return pixels[i].hit ? 1.0f : 0.0f; }),
+      one("depth", [&](std::size_t i) { return pixels[i].t_hit; }),
+      three({"normal.x", "normal.y", "normal.z"}, [&](std::size_t i) { return normal_of(f, i); }),
+      one("cost", [&](std::size_t i) { return static_cast<float>(pixels[i].cost); }),
+      one("core", [&](std::size_t i) { return pixels[i].arrived ? static_cast<float>(pixels[i].core) : -1.0f; }),
+      one("latency", [&](std::size_t i) { return static_cast<float>(pixels[i].latency_cycles); }),
+      one("wait", [&](std::size_t i) { return static_cast<float>(f.wait_cycles(pixels[i])); }),
+      three({"lit.R", "lit.G", "lit.B"}, light(lit_map(f, shade))),
+      one("ambient", [shade](std::size_t i) { return shade->open[i]; }),
+      three({"position.x", "position.y", "position.z"}, [&](std::size_t i) { return points.empty() ? std::array<float, 3>{} : points[i]; }),
+      one("model", [&](std::size_t i) { return pixels[i].hit ? 0.0f : -1.0f; })};
+  if (!f.surfaces().empty())
+    all.push_back(one("triangle", [&](std::size_t i) { return pixels[i].hit ? static_cast<float>(f.surfaces()[i].triangle) : -1.0f; }));
+  else
+    all.push_back(three({"voxel.x", "voxel.y", "voxel.z"}, [&](std::size_t i) {
+      std::array<float, 3> numbers{-1, -1, -1};
+      if (const auto voxel = voxel_of(f, i))
+        for (std::size_t axis = 0; axis < 3; ++axis) numbers[axis] = static_cast<float>((*voxel)[axis]);
+      return numbers;
+    }));
+  return all;
+}
+
 void write_exr(const std::filesystem::path& file, const frame& picture) {
-  const std::vector<std::string> names{"R", "G", "B", "hit", "depth", "normal.x", "normal.y", "normal.z", "cost", "core", "latency"};
+  const std::vector<layer> layers = layers_of(picture);
+  std::vector<std::string> names;
+  for (const layer& l : layers) names.insert(names.end(), l.channels.begin(), l.channels.end());
   OIIO::ImageSpec spec(static_cast<int>(picture.width()), static_cast<int>(picture.height()), static_cast<int>(names.size()),
                        OIIO::TypeDesc::FLOAT);
   spec.channelnames = names;
@@ -151,18 +89,11 @@ void write_exr(const std::filesystem::path& file, const frame& picture) {
   spec.attribute("compression", "zip");
   spec.attribute("DateTime", "");  // left to itself, OpenImageIO puts the time of writing into the bytes
   picture_file out(file, "openexr", spec);
-  write_bands<float>(out, picture, names.size(), OIIO::TypeDesc::FLOAT, [&](const frame::pixel& p, float* to) {
-    for (const double value : shaded(picture, p)) *to++ = static_cast<float>(linear_light(value));
-    *to++ = p.hit ? 1.0f : 0.0f;
-    *to++ = p.t_hit;
-    if (picture.surfaces().empty()) {
-      for (std::int8_t axis = 0; axis < 3; ++axis) *to++ = p.normal_axis == axis ? static_cast<float>(p.normal_sign) : 0.0f;
-    } else {
-      for (const float n : picture.surfaces()[static_cast<std::size_t>(&p - picture.pixels().data())].normal) *to++ = n;
+  write_bands<float>(out, picture, names.size(), OIIO::TypeDesc::FLOAT, [&](std::size_t pixel, float* to) {
+    for (const layer& l : layers) {
+      l.put(pixel, to);
+      to += l.channels.size();
     }
-    *to++ = static_cast<float>(p.cost);
-    *to++ = p.arrived ? static_cast<float>(p.core) : -1.0f;
-    *to++ = static_cast<float>(p.latency_cycles);
   });
 }
 
@@ -170,15 +101,12 @@ void write_exr(const std::filesystem::path& file, const frame& picture) {
 
 }  // namespace rtusim
 
-extern "C" void rtusim_write_picture(const std::filesystem::path& file, const rtusim::frame& picture, rtusim::picture_kind kind) {
+extern "C" void rtusim_write_picture(const std::filesystem::path& file, const rtusim::frame& picture, rtusim::picture_kind kind,
+                                     const rtusim::picture_text& text) {
   using namespace rtusim;
   switch (kind) {
-    case picture_kind::shaded: return write_png(file, picture, [&](const frame::pixel& p) { return shaded(picture, p); });
-    case picture_kind::cost: return write_png(file, picture, [&](const frame::pixel& p) { return cost_shown(picture, p); });
-    case picture_kind::depth: {
-      const depth_span span(picture);
-      return write_png(file, picture, [&](const frame::pixel& p) { return span.shown(p); });
-    }
     case picture_kind::layers: return write_exr(file, picture);
+    case picture_kind::sheet: return write_sheet(file, picture, text);
+    default: return write_png(file, picture, kind);
   }
 }

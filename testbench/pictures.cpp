@@ -6,6 +6,8 @@
 #include <cctype>
 #include <future>
 #include <string>
+#include <string_view>
+#include <utility>
 
 #include "modules/config/error.h"
 #include "testbench/picture_writer.h"
@@ -13,7 +15,13 @@
 namespace rtusim {
 namespace {
 
-constexpr const char* known_names = "NAME.png (shaded), NAME.cost.png, NAME.depth.png or NAME.exr (all layers)";
+constexpr const char* known_names =
+    "NAME.png (shaded), NAME.lit.png, NAME.depth.png, NAME.normal.png, NAME.cost.png, NAME.heat.png, NAME.latency.png, NAME.wait.png, "
+    "NAME.core.png, NAME.model.png, NAME.sheet.png (all of them) or NAME.exr (all layers)";
+constexpr std::pair<std::string_view, picture_kind> words[] = {
+    {"", picture_kind::shaded},    {".lit", picture_kind::lit},     {".depth", picture_kind::depth}, {".normal", picture_kind::normal},
+    {".cost", picture_kind::cost}, {".heat", picture_kind::heat},   {".wait", picture_kind::wait},   {".latency", picture_kind::latency},
+    {".core", picture_kind::core}, {".model", picture_kind::model}, {".sheet", picture_kind::sheet}};
 constexpr const char* library_name = "librtusim_pictures.so";
 
 using picture_writer = decltype(&rtusim_write_picture);
@@ -45,10 +53,13 @@ picture_kind kind_of(const std::filesystem::path& file) {
   if (ending == ".exr") return picture_kind::layers;
   if (ending != ".png") throw input_error(file.string(), "no picture format that we write", known_names);
   const std::string word = file.stem().extension().string();
-  if (word.empty()) return picture_kind::shaded;
-  if (word == ".cost") return picture_kind::cost;
-  if (word == ".depth") return picture_kind::depth;
+  for (const auto& [known, kind] : words)
+    if (word == known) return kind;
   throw input_error(file.string(), fmt::format("unknown kind of picture \"{}\"", word.substr(1)), known_names);
+}
+
+bool shows_places(picture_kind kind) {
+  return kind == picture_kind::lit || kind == picture_kind::model || kind == picture_kind::sheet || kind == picture_kind::layers;
 }
 
 picture_preparation::picture_preparation(bool wanted) : wanted_(wanted) {
@@ -59,8 +70,8 @@ picture_preparation::~picture_preparation() {
   if (wanted_) writer(std::launch::async).wait();
 }
 
-void write_picture(const std::filesystem::path& file, const frame& picture, picture_kind kind) {
-  writer(std::launch::deferred).get()(file, picture, kind);
+void write_picture(const std::filesystem::path& file, const frame& picture, picture_kind kind, const picture_text& text) {
+  writer(std::launch::deferred).get()(file, picture, kind, text);
 }
 
 }  // namespace rtusim

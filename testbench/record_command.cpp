@@ -93,7 +93,7 @@ void rerun(const rerun_options& o) {
   const run_setup s(nlohmann::json::parse(old["parameters"].dump()), o.record.string());
   const loaded_model model(s);
   const std::string job_file = old["inputs"].value("jobs", "");
-  const std::vector<job_packet> jobs = job_file.empty() ? model.jobs(s, 2) : read_jobs(job_file);
+  const std::vector<job_packet> jobs = job_file.empty() ? model.jobs(s, 2, false) : read_jobs(job_file);
 
   run_record record;
   record.inputs = inputs_of(s, model, jobs);

@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <set>
@@ -15,6 +16,7 @@
 #include "testbench/pictures.h"
 #include "testbench/replay.h"
 #include "testbench/results_log.h"
+#include "testbench/run_pictures.h"
 #include "testbench/run_setup.h"
 #include "testbench/simulation.h"
 #include "testbench/summary.h"
@@ -107,6 +109,7 @@ traced trace(const run_options& o, const run_setup& s, const loaded_model& model
 void run(const run_options& o) {
   const auto start = wall_clock::now();
   run_setup s({o.scene, o.architecture, o.assignments, o.model});
+  if (!s.what.model.rays.empty() && !o.jobs.empty()) throw input_error("--jobs", "with scene.rays", "one or the other");
   std::vector<picture_kind> kinds;
   for (const auto& image : o.images) kinds.push_back(kind_of(image));
   const auto window = window_of(o);
@@ -115,41 +118,38 @@ void run(const run_options& o) {
   const bool triangles = s.unit.has_triangles();
   const loaded_model model(s);  // forks: no thread before it
   const picture_preparation pictures(!o.images.empty());
-  const std::vector<job_packet> jobs = o.jobs.empty() ? model.jobs(s, 2) : read_jobs(o.jobs);
+  std::vector<job_packet> jobs = o.jobs.empty() ? model.jobs(s, 2, !o.images.empty()) : read_jobs(o.jobs);
   if (!o.save_jobs.empty()) write_jobs(o.save_jobs, jobs);
-  std::optional<frame> picture;
-  std::optional<triangle_surfaces> surfaces;
-  if (!o.images.empty()) {
-    picture.emplace(s.what.picture, s.unit.fixed_point.fraction_bits, triangles);
-    if (triangles) surfaces.emplace(*model.triangles(), s.unit.quantisation_, s.unit.triangle_unit_.errata.t_halved ? 2 : 1);
-    if (o.jobs.empty()) picture->leave_out_all_but(jobs);
-  }
-  std::optional<results_log> log;
-  if (!o.log.empty()) log.emplace(o.log, triangles);
-
-  const result_handler handler = [&](cycle c, const traversal_result& r, std::uint64_t latency_cycles) {
-    if (picture && surfaces)
-      picture->store(r, latency_cycles, surfaces->at(jobs[r.sequence], r));
-    else if (picture)
-      picture->store(r, latency_cycles);
-    if (log) log->add(c, r);
-  };
-  traced run = trace(o, s, model, jobs, window, picture || log ? handler : result_handler());
-  if (picture && picture->strays() != 0)
-    throw input_error(o.jobs.string(),
-                      fmt::format("{} job ids beyond the frame of {} x {}", picture->strays(), picture->width(), picture->height()),
-                      "frame.width and frame.height of the jobs, or no --image");
-
-  if (log) log->commit();
-  for (std::size_t i = 0; i < kinds.size(); ++i) write_picture(o.images[i], *picture, kinds[i]);
-
-  config::report statistics;
-  run.figures.describe(statistics);
   run_record record;
   record.inputs = inputs_of(s, model, jobs);
   record.inputs["scene"] = o.scene.string();
   record.inputs["architecture"] = o.architecture.string();
   record.inputs["jobs"] = o.jobs.string();
+  std::optional<run_pictures> shown;
+  if (!o.images.empty()) shown.emplace(s, model, jobs, o.jobs.empty());
+  std::optional<results_log> log;
+  if (!o.log.empty()) log.emplace(o.log, triangles);
+
+  const result_handler handler = [&](cycle c, const traversal_result& r, std::uint64_t latency_cycles) {
+    if (shown) shown->store(r, latency_cycles);
+    if (log) log->add(c, r);
+  };
+  traced run = trace(o, s, model, jobs, window, shown || log ? handler : result_handler());
+  if (shown && shown->picture().strays() != 0)
+    throw input_error(o.jobs.string(),
+                      fmt::format("{} job ids beyond the frame of {} x {}", shown->picture().strays(), shown->picture().width(),
+                                  shown->picture().height()),
+                      "frame.width and frame.height of the jobs, or no --image");
+
+  if (log) log->commit();
+  if (shown) {
+    shown->finish(run.figures, std::any_of(kinds.begin(), kinds.end(), shows_places));
+    std::vector<job_packet>().swap(jobs);  // pictures need the room
+    for (const auto& image : o.images) shown->write(image);
+  }
+
+  config::report statistics;
+  run.figures.describe(statistics);
   record.parameters = s.parameters.values();
   record.statistics = statistics.values();
   run.speed.all_seconds = seconds(wall_clock::now() - start).count();
@@ -157,7 +157,7 @@ void run(const run_options& o) {
   run.speed.describe(simulator);
   record.simulator = simulator.values();
   if (!o.statistics.empty()) write_record(o.statistics, record);
-  if (const auto c = run.figures.conversion(); c.overflows + c.nans != 0 && !o.jobs.empty())
+  if (const auto c = run.figures.conversion(); c.overflows + c.nans != 0 && !(o.jobs.empty() && s.what.model.rays.empty()))
     fmt::print(stderr, "rtusim: warning: {} parameters of the jobs lie beyond the fixed-point range, {} are no number\n", c.overflows,
                c.nans);
   if (triangles && model.triangles()->dropped + model.triangles()->clamped != 0)

@@ -1,5 +1,6 @@
 #include "testbench/run_setup.h"
 
+#include <cmath>
 #include <set>
 
 #include <fmt/format.h>
@@ -7,6 +8,7 @@
 
 #include "modules/config/error.h"
 #include "testbench/driver.h"
+#include "testbench/ray_list.h"
 
 namespace rtusim {
 namespace {
@@ -34,7 +36,8 @@ run_setup::run_setup(const run_sources& from) {
   if (!from.scene.empty()) {
     parameters.read_toml(from.scene, with_bench(scene::sections()));
     // A path in a scene file starts at its folder; one on the command line starts here.
-    if (!what.model.model.empty()) what.model.model = (from.scene.parent_path() / what.model.model).string();
+    for (std::string* path : {&what.model.model, &what.model.rays})
+      if (!path->empty()) *path = (from.scene.parent_path() / *path).string();
   }
   // Voxels in place of the scene's mesh leave nothing to divide, a mesh in place of patches nothing to cut.
   if (holds_voxels(from.model)) parameters.forget("scene.resolution");
@@ -55,21 +58,44 @@ void run_setup::check() const {
   if (what.model.model.empty()) throw input_error("run", "no model", "a scene file, --model FILE or --set scene.model=FILE");
 }
 
-loaded_model::loaded_model(const run_setup& s) {
+loaded_model::loaded_model(const run_setup& s) : limits_{s.unit.memory_.address_bits, s.unit.svo_core.stack_depth} {
   const scene::model_params& m = s.what.model;
   if (s.unit.has_triangles())
     triangles_ = load_triangles(m.model, s.unit.quantisation_, s.unit.bih_builder.leaf_triangles, s.unit.bih_core.address_bits, m.patch_quads);
   else
-    octree_ = load_model(m.model, m.resolution, m.patch_quads, {s.unit.memory_.address_bits, s.unit.svo_core.stack_depth});
+    octree_ = load_model(m.model, m.resolution, m.patch_quads, limits_);
 }
 
-std::vector<job_packet> loaded_model::jobs(const run_setup& s, unsigned threads) const {
+std::vector<job_packet> loaded_model::jobs(const run_setup& s, unsigned threads, bool pictured) const {
   const driver_params& driver = s.unit.driver;
+  if (!s.what.model.rays.empty()) {
+    const ray_list rays(s.what.model.rays);
+    const frame::params& f = s.what.picture;
+    if (pictured && rays.size() != std::size_t{f.width} * f.height)
+      throw input_error(s.what.model.rays, fmt::format("{} rays for a frame of {} x {}", rays.size(), f.width, f.height),
+                        "frame.width times frame.height of them, or no --image");
+    if (triangles_) return triangle_jobs(rays, triangles_->grid, driver.norm, driver.skip_misses, threads);
+    return list_jobs(rays, driver.last_sign_only, 0, threads);
+  }
   if (!triangles_) return camera_jobs(s.what.view, s.what.picture, driver.last_sign_only, 0, threads);
   std::vector<job_packet> sent = triangle_jobs(s.what.view, s.what.picture, triangles_->grid, driver.norm, driver.skip_misses, threads);
   if (sent.empty())
     throw input_error("camera", "no ray meets the box of the model", "a camera that looks at it, or driver.skip_misses = false");
   return sent;
+}
+
+frame::places loaded_model::places(const std::vector<job_packet>& jobs, const frame& picture) const {
+  frame::places where;
+  where.points.resize(picture.pixels().size());
+  for (const job_packet& job : jobs) {
+    const frame::pixel& p = picture.pixels()[job.pixel()];
+    if (!p.hit) continue;
+    const double distance = static_cast<double>(p.t_hit);
+    const per_axis<float> point = triangles_ ? point_on_ray(job, triangles_->grid, distance) : point_on_ray(job, distance);
+    if (std::isfinite(point[0] + point[1] + point[2])) where.points[job.pixel()] = point;
+  }
+  if (!triangles_) where.cells = voxels_an_edge();
+  return where;
 }
 
 nlohmann::ordered_json inputs_of(const run_setup& s, const loaded_model& model, const std::vector<job_packet>& jobs) {

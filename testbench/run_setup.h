@@ -58,10 +58,17 @@ class loaded_model {
   /// Of triangle cores.
   const std::optional<triangle_model>& triangles() const { return triangles_; }
 
-  /// The camera's jobs, as the driver sends them. Errors: input_error for a camera that contradicts itself.
-  std::vector<job_packet> jobs(const run_setup& s, unsigned threads) const;
+  /// The jobs of the camera, or of a list of rays, as the driver sends them. `pictured`: each ray of a list needs a pixel.
+  /// Errors: input_error for a camera that contradicts itself or sees nothing, a list that can't be used.
+  std::vector<job_packet> jobs(const run_setup& s, unsigned threads, bool pictured) const;
+
+  /// Of voxel cores.
+  unsigned voxels_an_edge() const { return 1u << describe(octree_, "model", limits_).levels; }
+  /// Where the rays that hit met the model. Of a job id that is there twice the result's ray is not known: the last one stands for it.
+  frame::places places(const std::vector<job_packet>& jobs, const frame& picture) const;
 
  private:
+  svo_limits limits_;
   svo_image octree_;
   std::optional<triangle_model> triangles_;
 };

@@ -15,6 +15,7 @@ namespace rtusim {
 struct scene {
   struct model_params {
     std::string model;
+    std::string rays;
     unsigned resolution = 32;
     unsigned patch_quads = 10;
     void describe(config::section& s);

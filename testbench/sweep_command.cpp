@@ -26,6 +26,7 @@
 #include "modules/config/files.h"
 #include "testbench/pictures.h"
 #include "testbench/replay.h"
+#include "testbench/run_pictures.h"
 #include "testbench/run_setup.h"
 #include "testbench/summary.h"
 #include "testbench/sweep_plan.h"
@@ -158,7 +159,7 @@ std::vector<task> tasks_of(const sweep_plan& plan) {
     try {
       const auto s = plan.setup(*t.point);
       const json parameters = s->parameters.values();
-      const std::string model = sums.of(s->what.model.model);
+      const std::string model = sums.of(s->what.model.model) + (s->what.model.rays.empty() ? "" : sums.of(s->what.model.rays));
       t.identity = json{{"statistics", run_record::version}, {"model", model}, {"parameters", parameters}}.dump() + "\n";
       t.walk = json{{"model", model},
                     {"parameters", sections_of(parameters, {"scene", "frame", "camera", "driver", "fixed_point", "float_to_fixed",
@@ -177,7 +178,7 @@ std::vector<task> tasks_of(const sweep_plan& plan) {
 
 /// What the points of one walk share: the model, the rays, and where replay holds their walks.
 struct shared_rays {
-  explicit shared_rays(const run_setup& s) : model(s), jobs(model.jobs(s, 1)) {
+  shared_rays(const run_setup& s, bool pictured) : model(s), jobs(model.jobs(s, 1, pictured)) {
     if (replay_obstacle(s.unit, s.bench).empty()) walked.emplace(walk_rays(s.unit, model.octree(), jobs, 1));
   }
   loaded_model model;
@@ -189,22 +190,12 @@ struct shared_rays {
 void run_point(const sweep_plan& plan, const task& t, const shared_rays& shared, const results_folder& folder) {
   const auto begin = wall_clock::now();
   const auto s = plan.setup(*t.point);
-  const bool triangles = s->unit.has_triangles();
-  std::optional<frame> picture;
-  std::optional<triangle_surfaces> surfaces;
-  if (!plan.images().empty()) {
-    picture.emplace(s->what.picture, s->unit.fixed_point.fraction_bits, triangles);
-    if (triangles) surfaces.emplace(*shared.model.triangles(), s->unit.quantisation_, s->unit.triangle_unit_.errata.t_halved ? 2 : 1);
-    picture->leave_out_all_but(shared.jobs);
-  }
+  std::optional<run_pictures> shown;
   result_handler handler;
-  if (picture)
-    handler = [&](cycle, const traversal_result& r, std::uint64_t latency_cycles) {
-      if (surfaces)
-        picture->store(r, latency_cycles, surfaces->at(shared.jobs[r.sequence], r));
-      else
-        picture->store(r, latency_cycles);
-    };
+  if (!plan.images().empty()) {
+    shown.emplace(*s, shared.model, shared.jobs, true);
+    handler = [&](cycle, const traversal_result& r, std::uint64_t latency_cycles) { shown->store(r, latency_cycles); };
+  }
 
   run_figures figures;
   simulator_figures speed;
@@ -237,9 +228,12 @@ void run_point(const sweep_plan& plan, const task& t, const shared_rays& shared,
   const fs::path part = folder.part(t, getpid());
   fs::create_directories(part);
   write_record(part / "stats.json", record);
+  if (shown)
+    shown->finish(figures, std::any_of(plan.images().begin(), plan.images().end(),
+                                       [](const std::string& ending) { return shows_places(kind_of("image." + ending)); }));
   for (const std::string& ending : plan.images()) {
     const fs::path file = part / ("image." + ending);
-    write_picture(file, *picture, kind_of(file));
+    shown->write(file);
   }
   config::output_file identity(part / "identity.json");
   identity.write(t.identity);
@@ -396,7 +390,7 @@ void run_missing(const sweep_plan& plan, const std::vector<task>& tasks, const s
         shared_failure.clear();
         shared_walk = t->walk;
         try {
-          shared = std::make_unique<shared_rays>(*plan.setup(*t->point));
+          shared = std::make_unique<shared_rays>(*plan.setup(*t->point), !plan.images().empty());
         } catch (const input_error& e) {
           shared_failure = e.what();
         } catch (const simulation_error& e) {

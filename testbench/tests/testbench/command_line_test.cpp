@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
+
 #include "modules/config/files.h"
 #include "testbench/tests/program.h"
 #include "testbench/tests/scratch.h"
@@ -179,6 +181,89 @@ TEST_CASE("command line: a file that can't be used is refused with its place", "
   for (const refusal& r : all) check_refused(folder, r);
 }
 
+TEST_CASE("command line: a list of rays that can't be used is refused with its place", "[testbench]") {
+  const test::scratch_folder folder;
+  const std::string header = "ox,oy,oz,dx,dy,dz\n";
+  folder.file("empty.csv", "");
+  folder.file("header.csv", header);
+  folder.file("column.csv", "ox,oy,oz,dx,dy\n1,2,3,4,5\n");
+  folder.file("cut.csv", header + "0,0,2,0,0,-1\n0,0,2,0\n");
+  folder.file("word.csv", header + "0,0,2,0,0,-1\n0,0,2,0,0x1,-1\n");
+  folder.file("blank.csv", header + "0,0,,0,0,-1\n");
+  folder.file("beyond.csv", header + "0,0,1e39,0,0,-1\n");
+  folder.file("good.csv", header + "0,0,2,0,0,-1\n");
+  folder.file("cut.bin", std::string(47, '\0'));
+  folder.file("none.bin", "");
+  folder.file("rays.txt", header);
+  folder.file("jobs.bin", std::string(32, '\0'));
+  folder.file("camera.toml", "[scene]\nrays = \"good.csv\"\n\n[camera]\nnear = 0.1\n");
+  const auto rays = [](const std::string& name, const words& also = {}) {
+    words all{"run", "--model", dragon, "--quiet", "--log", "log.csv", "--set", "scene.rays=" + name};
+    all.insert(all.end(), also.begin(), also.end());
+    return all;
+  };
+  const refusal all[] = {
+      {"no list", rays("nowhere.csv"), "nowhere.csv: no such file"},
+      {"an empty file", rays("empty.csv"), "empty.csv: an empty file"},
+      {"no rays in a table", rays("header.csv"), "header.csv: no rays"},
+      {"no rays in words", rays("none.bin"), "none.bin: no rays"},
+      {"a column that is not there", rays("column.csv"), "column.csv:1: no column dz"},
+      {"a row that is cut", rays("cut.csv"), "cut.csv:3: 4 fields; expected 6"},
+      {"a word that is no number", rays("word.csv"), "word.csv:3: dy = \"0x1\"; expected a number within binary32, inf or nan"},
+      {"no word", rays("blank.csv"), "blank.csv:2: oz = \"\"; expected a number"},
+      {"a number beyond binary32", rays("beyond.csv"), "beyond.csv:2: oz = \"1e39\"; expected a number within binary32"},
+      {"words that end within a ray", rays("cut.bin"), "cut.bin: 47 bytes; expected a multiple of 24"},
+      {"a list of no known kind", rays("rays.txt"), "rays.txt: a ray list ending in \".txt\"; expected .csv or .bin"},
+      {"a camera beside the list", {"run", "camera.toml", "--model", dragon}, "camera.toml:5: camera.near is not read by this design"},
+      {"a list and jobs", rays("good.csv", {"--jobs", "jobs.bin"}), "--jobs: with scene.rays; expected one or the other"},
+      {"a picture of another size", rays("good.csv", {"--image", "out.png"}),
+       "good.csv: 1 rays for a frame of 1280 x 720; expected frame.width"},
+  };
+  for (const refusal& r : all) check_refused(folder, r);
+  CHECK(rtusim(folder, rays("good.csv", {"--image", "out.sheet.png", "--set", "frame.width=1", "--set", "frame.height=1"})).status == 0);
+  CHECK(contents(folder).count("out.sheet.png") == 1);
+}
+
+TEST_CASE("command line: a list of a camera's rays gives the camera's packets and results, on both kinds of cores", "[testbench]") {
+  const test::scratch_folder folder;
+  // Parallel rays along -z, whose words are exact.
+  std::string table = "ox,oy,oz,dx,dy,dz\n";
+  for (int y = 0; y < 16; ++y)
+    for (int x = 0; x < 32; ++x) table += fmt::format("{},{},2,0,0,-1\n", (x + 0.5 - 16) / 8, -(y + 0.5 - 8) / 8);
+  folder.file("rays.csv", table);
+  const std::string mesh = source + "scenes/data/dragon_res4.ply";
+  for (const words& design : {words{"--model", dragon}, words{"--model", mesh, "--set", "rtu.core=bih", "--set", "rtu.cores=1"}}) {
+    words common{"run", "--quiet", "--set", "frame.width=32", "--set", "frame.height=16"};
+    common.insert(common.end(), design.begin(), design.end());
+    words eye = common, list = common;
+    for (const char* set : {"camera.kind=look_at", "camera.projection=orthographic", "camera.position=[0, 0, 2]", "camera.height=2"})
+      eye.insert(eye.end(), {"--set", set});
+    eye.insert(eye.end(), {"--save-jobs", "eye.bin", "--log", "eye.csv", "--image", "eye.png"});
+    list.insert(list.end(), {"--set", "scene.rays=rays.csv", "--save-jobs", "list.bin", "--log", "list.csv", "--image", "list.png"});
+    CHECK(rtusim(folder, eye).status == 0);
+    CHECK(rtusim(folder, list).status == 0);
+    const auto files = contents(folder);
+    CHECK((files.at("eye.bin") == files.at("list.bin")));
+    CHECK((files.at("eye.csv") == files.at("list.csv")));
+    CHECK((files.at("eye.png") == files.at("list.png")));
+    CHECK_THAT(files.at("list.csv"), Catch::Contains(",1,"));
+  }
+}
+
+TEST_CASE("command line: rays that are no numbers are traced and warned about", "[testbench]") {
+  const test::scratch_folder folder;
+  folder.file("rays.csv", "ox,oy,oz,dx,dy,dz\n0,0,2,0,0,-1\nnan,0,2,0,0,-1\n0,0,inf,0,nan,-1\n0,0,2,inf,0,0\n0,0,2,0,0,0\n");
+  const std::string mesh = source + "scenes/data/dragon_res4.ply";
+  for (const words& design : {words{"--model", dragon}, words{"--model", mesh, "--set", "rtu.core=bih", "--set", "rtu.cores=1"}}) {
+    words all{"run", "--quiet", "--set", "scene.rays=rays.csv", "--set", "frame.width=5", "--set", "frame.height=1"};
+    all.insert(all.end(), {"--image", "out.sheet.png", "--image", "out.exr"});
+    all.insert(all.end(), design.begin(), design.end());
+    const outcome o = rtusim(folder, all);
+    CHECK(o.status == 0);
+    CHECK_THAT(o.err, Catch::StartsWith("rtusim: warning: ") && Catch::Contains("are no number"));
+  }
+}
+
 TEST_CASE("command line: a triangle unit's input that can't be used is refused with its place", "[testbench]") {
   const test::scratch_folder folder;
   folder.file("division.csv", "n,d\n1,2\n");
@@ -269,7 +354,7 @@ TEST_CASE("command line: a mesh that triangle cores can't trace is refused with 
        "of 6320 triangles; expected at most 4064 of each for bih_core.address_bits = 12; 13 would do"},
       {"more levels than the stack has entries", bih("deep.obj", {"--set", "bih_builder.leaf_triangles=1"}),
        "a ray may push 32 entries on its way here; expected at most 31"},
-      {"an octree", bih(dragon), "dragon_32.svo: an octree, which triangle cores can't trace; expected a mesh"},
+      {"an octree", bih(dragon), "dragon_32.svo: voxels, which triangle cores can't trace; expected a mesh"},
       {"a replay", bih(teapot, {"--pace", "replay"}),
        "--pace replay: triangle cores, in which rays overlap; expected a design whose schedule follows from the costs of its rays"},
   };
