@@ -1,7 +1,5 @@
 #include "testbench/pictures.h"
 
-#include <dlfcn.h>
-
 #include <algorithm>
 #include <cctype>
 #include <future>
@@ -10,6 +8,7 @@
 #include <utility>
 
 #include "modules/config/error.h"
+#include "testbench/picture_library.h"
 #include "testbench/picture_writer.h"
 
 namespace rtusim {
@@ -22,7 +21,6 @@ constexpr std::pair<std::string_view, picture_kind> words[] = {
     {"", picture_kind::shaded},    {".lit", picture_kind::lit},     {".depth", picture_kind::depth}, {".normal", picture_kind::normal},
     {".cost", picture_kind::cost}, {".heat", picture_kind::heat},   {".wait", picture_kind::wait},   {".latency", picture_kind::latency},
     {".core", picture_kind::core}, {".model", picture_kind::model}, {".sheet", picture_kind::sheet}};
-constexpr const char* library_name = "librtusim_pictures.so";
 
 using picture_writer = decltype(&rtusim_write_picture);
 
@@ -31,14 +29,7 @@ std::string lower_case(std::string text) {
   return text;
 }
 
-picture_writer load_writer() {
-  // By its whole path: a sanitizer's dlopen does not know the program's search path.
-  const auto path = std::filesystem::read_symlink("/proc/self/exe").parent_path() / library_name;
-  void* const library = dlopen(path.c_str(), RTLD_LAZY | RTLD_LOCAL);
-  void* const writer = library != nullptr ? dlsym(library, "rtusim_write_picture") : nullptr;
-  if (writer == nullptr) throw input_error(library_name, dlerror(), "it beside the program, as the build leaves it");
-  return reinterpret_cast<picture_writer>(writer);
-}
+picture_writer load_writer() { return reinterpret_cast<picture_writer>(picture_function("rtusim_write_picture")); }
 
 /// Loads once; the first caller decides on which thread.
 std::shared_future<picture_writer>& writer(std::launch how) {

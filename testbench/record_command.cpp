@@ -36,15 +36,6 @@ json read_record(const std::filesystem::path& file) {
   return all;
 }
 
-/// All values of a tree by their path, in its order.
-void flatten(const json& from, const std::string& key, std::vector<std::pair<std::string, json>>& to) {
-  if (!from.is_object()) {
-    to.emplace_back(key, from);
-    return;
-  }
-  for (const auto& [name, value] : from.items()) flatten(value, key.empty() ? name : key + '.' + name, to);
-}
-
 std::string shown(const json* value) {
   if (value == nullptr) return "-";
   if (value->is_string()) return value->get<std::string>().empty() ? "\"\"" : value->get<std::string>();

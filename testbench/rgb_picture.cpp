@@ -1,19 +1,12 @@
 #include "testbench/rgb_picture.h"
 
-#include <dlfcn.h>
-
-#include "modules/config/error.h"
+#include "testbench/picture_library.h"
 #include "testbench/rgb_writer.h"
 
 namespace rtusim {
 
 void write_png(const std::filesystem::path& file, const rgb_picture& picture) {
-  constexpr const char* library_name = "librtusim_pictures.so";
-  const auto path = std::filesystem::read_symlink("/proc/self/exe").parent_path() / library_name;
-  void* const library = dlopen(path.c_str(), RTLD_LAZY | RTLD_LOCAL);
-  void* const writer = library != nullptr ? dlsym(library, "rtusim_write_rgb") : nullptr;
-  if (writer == nullptr) throw input_error(library_name, dlerror(), "it beside the program, as the build leaves it");
-  reinterpret_cast<decltype(&rtusim_write_rgb)>(writer)(file, picture);
+  reinterpret_cast<decltype(&rtusim_write_rgb)>(picture_function("rtusim_write_rgb"))(file, picture);
 }
 
 }  // namespace rtusim

@@ -28,6 +28,14 @@ std::string bar(double percent, unsigned width) {
 
 }  // namespace
 
+void flatten(const json& from, const std::string& key, std::vector<std::pair<std::string, json>>& to) {
+  if (!from.is_object()) {
+    to.emplace_back(key, from);
+    return;
+  }
+  for (const auto& [name, value] : from.items()) flatten(value, key.empty() ? name : key + '.' + name, to);
+}
+
 void simulator_figures::describe(config::report& r) const {
   const auto per_ray = [this](double figure) { return rays == 0 ? 0.0 : figure / static_cast<double>(rays); };
   r.number("pace", pace, "", "how the run came by its cycles");

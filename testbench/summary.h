@@ -3,6 +3,8 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 
@@ -20,6 +22,9 @@ struct run_record {
   nlohmann::ordered_json statistics;
   nlohmann::ordered_json simulator;
 };
+
+/// Appends all values of a tree of figures with their path, A.B.C behind `key`, in its order.
+void flatten(const nlohmann::ordered_json& from, const std::string& key, std::vector<std::pair<std::string, nlohmann::ordered_json>>& to);
 
 /// The simulator's own speed.
 struct simulator_figures {

@@ -414,14 +414,6 @@ void run_missing(const sweep_plan& plan, const std::vector<task>& tasks, const s
   }
 }
 
-void flatten(const json& from, const std::string& key, std::vector<std::pair<std::string, json>>& to) {
-  if (!from.is_object()) {
-    to.emplace_back(key, from);
-    return;
-  }
-  for (const auto& [name, value] : from.items()) flatten(value, key.empty() ? name : key + '.' + name, to);
-}
-
 std::string csv_field(std::string text) {
   std::replace_if(
       text.begin(), text.end(), [](char c) { return c == '\n' || c == '\r'; }, ' ');

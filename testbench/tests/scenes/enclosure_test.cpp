@@ -3,11 +3,10 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <atomic>
 #include <cerrno>
-#include <chrono>
 #include <csignal>
 #include <cstdlib>
+#include <future>
 #include <stdexcept>
 #include <string>
 #include <thread>
@@ -84,12 +83,10 @@ TEST_CASE("what goes wrong in the enclosure stays there", "[enclosure]") {
 }
 
 TEST_CASE("the enclosure is not entered beside another thread", "[enclosure]") {
-  std::atomic<bool> over = false;
-  std::thread other([&] {
-    while (!over) std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  });
+  std::promise<void> over;
+  std::thread other([waiting = over.get_future()] { waiting.wait(); });
   CHECK_THROWS_AS(enclosed("a.ply", [] { return mesh(); }), simulation_error);
-  over = true;
+  over.set_value();
   other.join();
 }
 

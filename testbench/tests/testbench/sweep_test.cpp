@@ -1,16 +1,16 @@
 #include <catch2/catch.hpp>
 
+#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <chrono>
+#include <cerrno>
 #include <csignal>
 #include <filesystem>
 #include <map>
 #include <set>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include <fmt/format.h>
@@ -205,7 +205,8 @@ TEST_CASE("sweep: killed in its middle, it goes on with what is missing", "[test
   const sweep_folder folder;
   const std::string lines = header + "[axes]\n\"rtu.cores\" = {from = 1, to = 60}\n";
   CHECK(folder.sweep(lines, "whole").status == 0);
-  const pid_t child = test::start_rtusim(folder, {"sweep", "sweep.toml", "--out", "out", "--quiet", "-j", "2"}, stdout, stderr);
+  // Workers whose parent is killed become this process' children, so that it can wait for their end.
+  REQUIRE(prctl(PR_SET_CHILD_SUBREAPER, 1) == 0);
   const auto done = [&] {
     std::error_code none;
     std::size_t points = 0;
@@ -213,10 +214,20 @@ TEST_CASE("sweep: killed in its middle, it goes on with what is missing", "[test
       points += at->path().filename().string()[0] != '.' ? 1 : 0;
     return points;
   };
-  while (done() < 5) std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  kill(child, SIGKILL);
-  waitpid(child, nullptr, 0);
-  std::this_thread::sleep_for(std::chrono::milliseconds(50));  // the workers end with their parent, a moment later
+  // On a busy machine it may come to its end before it is killed: then once more from the start.
+  int status = 0;
+  for (int attempt = 0; attempt < 10 && !WIFSIGNALED(status); ++attempt) {
+    fs::remove_all(folder / "out");
+    const pid_t child = test::start_rtusim(folder, {"sweep", "sweep.toml", "--out", "out", "--quiet", "-j", "2"}, stdout, stderr);
+    pid_t ended = 0;
+    while (ended == 0 && done() < 5) ended = waitpid(child, &status, WNOHANG);
+    if (ended != 0) continue;
+    REQUIRE(kill(child, SIGKILL) == 0);
+    REQUIRE(waitpid(child, &status, 0) == child);
+  }
+  REQUIRE(WIFSIGNALED(status));
+  while (waitpid(-1, nullptr, 0) > 0) continue;
+  REQUIRE(errno == ECHILD);
   std::map<std::string, fs::file_time_type> before;
   for (const auto& entry : fs::directory_iterator(folder / "out/points"))
     if (entry.path().filename().string()[0] != '.')

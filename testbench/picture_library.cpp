@@ -1,0 +1,21 @@
+#include "testbench/picture_library.h"
+
+#include <dlfcn.h>
+
+#include <filesystem>
+
+#include "modules/config/error.h"
+
+namespace rtusim {
+
+void* picture_function(const char* name) {
+  constexpr const char* library_name = "librtusim_pictures.so";
+  // By its whole path: a sanitizer's dlopen does not know the program's search path.
+  const auto path = std::filesystem::read_symlink("/proc/self/exe").parent_path() / library_name;
+  void* const library = dlopen(path.c_str(), RTLD_LAZY | RTLD_LOCAL);
+  void* const function = library != nullptr ? dlsym(library, name) : nullptr;
+  if (function == nullptr) throw input_error(library_name, dlerror(), "it beside the program, as the build leaves it");
+  return function;
+}
+
+}  // namespace rtusim
