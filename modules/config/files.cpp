@@ -14,6 +14,7 @@
 #include <zlib.h>
 
 #include "modules/config/error.h"
+#include "modules/config/input_ledger.h"
 
 namespace rtusim::config {
 namespace {
@@ -95,7 +96,8 @@ bool is_written_directly(const fs::path& file) {
 }  // namespace
 
 std::string read_file(const std::filesystem::path& file, std::uint64_t most_bytes) {
-  std::string bytes = read_plain(file, most_bytes);
+  std::string bytes = input_ledger::read_through(file, [&] { return read_plain(file, most_bytes); });
+  if (bytes.size() > most_bytes) throw too_large(file, most_bytes);  // kept by a reader that takes more
   return starts_gzip(bytes) ? unzip(bytes, file, most_bytes) : bytes;
 }
 
