@@ -4,9 +4,12 @@
 #include <charconv>
 #include <cmath>
 #include <cstdint>
+#include <set>
 #include <string>
 #include <string_view>
 #include <system_error>
+
+#include <fmt/ranges.h>
 
 #include "modules/config/error.h"
 #include "modules/config/files.h"
@@ -18,10 +21,15 @@ namespace {
 constexpr std::uint64_t most_file_bytes = std::uint64_t{1} << 30;
 constexpr unsigned most_run = 255;
 
-// Takes the next word off a line of a header, one blank between two.
+std::string_view without_blanks_before(std::string_view line) {
+  return line.substr(std::min(line.find_first_not_of(" \t"), line.size()));
+}
+
+// Takes the next word off a line of a header, and the blanks around it.
 std::string_view take_word(std::string_view& line) {
-  const std::string_view word = line.substr(0, line.find(' '));
-  line.remove_prefix(std::min(word.size() + 1, line.size()));
+  line = without_blanks_before(line);
+  const std::string_view word = line.substr(0, line.find_first_of(" \t"));
+  line = without_blanks_before(line.substr(word.size()));
   return word;
 }
 
@@ -34,15 +42,33 @@ Number take_number(std::string_view& line, const std::string& place, const char*
   return value;
 }
 
+double take_finite(std::string_view& line, const std::string& place, const std::string& whole) {
+  const auto value = take_number<double>(line, place, "a number");
+  if (!std::isfinite(value)) throw input_error(place, whole, "finite numbers");
+  return value;
+}
+
 struct header {
   unsigned version = 0;
   unsigned edge = 0;
+  std::array<double, 3> translate{};
+  double scale = 1;
 };
+
+unsigned take_edge(std::string_view& line, const std::string& place, const std::string& whole) {
+  const char* const what = "three numbers of voxels";
+  const auto x = take_number<unsigned>(line, place, what), z = take_number<unsigned>(line, place, what);
+  const auto y = take_number<unsigned>(line, place, what);
+  if (x != y || z != y || y < 1 || y > voxel_grid::most_resolution)
+    throw input_error(place, whole, fmt::format("a cube, three times the same from 1 to {}", voxel_grid::most_resolution));
+  return y;
+}
 
 // Takes the header off the bytes.
 header take_header(std::string_view& bytes, const std::string& file) {
-  constexpr std::size_t most_line = 200;
+  constexpr std::size_t most_line = 4096;
   header h;
+  std::set<std::string_view> met;
   for (unsigned number = 1;; ++number) {
     const std::string place = fmt::format("{}:{}", file, number);
     const std::size_t end = bytes.substr(0, most_line).find('\n');
@@ -56,27 +82,48 @@ header take_header(std::string_view& bytes, const std::string& file) {
       if (keyword != "#binvox") throw input_error(place, whole, "#binvox 1");
       h.version = take_number<unsigned>(line, place, "the version, 1 or 2");
       if (h.version < 1 || h.version > 2) throw input_error(place, fmt::format("version {}", h.version), "1 or 2");
-    } else if (keyword == "dim") {
-      const char* const what = "three numbers of voxels";
-      const auto x = take_number<unsigned>(line, place, what), z = take_number<unsigned>(line, place, what);
-      h.edge = take_number<unsigned>(line, place, what);
-      if (x != h.edge || z != h.edge || h.edge < 1 || h.edge > voxel_grid::most_resolution)
-        throw input_error(place, whole, fmt::format("a cube, three times the same from 1 to {}", voxel_grid::most_resolution));
-    } else if (keyword == "translate" || keyword == "scale") {
-      for (int k = 0; k < (keyword == "scale" ? 1 : 3); ++k)
-        if (!std::isfinite(take_number<double>(line, place, "a number"))) throw input_error(place, whole, "finite numbers");
-    } else if (keyword == "data") {
-      if (h.edge == 0) throw input_error(place, "data", "a line dim before it");
-      return h;
-    } else {
+      continue;
+    }
+    if (keyword.empty() || keyword.front() == '#') continue;
+    if (!met.insert(keyword).second) throw input_error(place, whole, fmt::format("one line {}", printable(keyword, 40)));
+    if (keyword == "dim") {
+      h.edge = take_edge(line, place, whole);
+    } else if (keyword == "translate") {
+      for (double& t : h.translate) t = take_finite(line, place, whole);
+    } else if (keyword == "scale") {
+      h.scale = take_finite(line, place, whole);
+    } else if (keyword != "data") {
       throw input_error(place, whole, "dim, translate, scale or data");
     }
+    if (!line.empty()) throw input_error(place, whole, fmt::format("nothing after {}", whole.substr(1, whole.size() - 2 - line.size())));
+    if (keyword != "data") continue;
+    if (h.edge == 0) throw input_error(place, "data", "a line dim before it");
+    return h;
   }
 }
 
 }  // namespace
 
-voxel_grid read_binvox(const std::filesystem::path& file, unsigned resolution) {
+void voxel_cube::set_edge(unsigned voxels) {
+  RTU_CHECK(voxels, <=, grid.resolution());
+  const double length = scale / edge;
+  const double before = first();
+  edge = voxels;
+  for (double& t : translate) t += (first() - before) * length;
+  scale = length * edge;
+}
+
+std::uint64_t voxel_cube::count() const {
+  if (edge == grid.resolution()) return grid.count();
+  std::uint64_t sum = 0;
+  const unsigned from = first(), past = from + edge;
+  for (unsigned z = from; z < past; ++z)
+    for (unsigned y = from; y < past; ++y)
+      for (unsigned x = from; x < past; ++x) sum += grid.at(x, y, z) ? 1 : 0;
+  return sum;
+}
+
+voxel_cube read_binvox(const std::filesystem::path& file, unsigned resolution) {
   const std::string place = file.string();
   const std::string bytes = config::read_file(file, most_file_bytes);
   std::string_view runs = bytes;
@@ -86,8 +133,11 @@ voxel_grid read_binvox(const std::filesystem::path& file, unsigned resolution) {
   if (resolution < h.edge)
     throw input_error(place, fmt::format("{} voxels an edge", h.edge), fmt::format("at most the resolution of {}", resolution));
 
-  voxel_grid grid(resolution);
-  const unsigned first = (resolution - h.edge) / 2;
+  voxel_cube cube{voxel_grid(resolution)};
+  cube.edge = h.edge;
+  cube.translate = h.translate;
+  cube.scale = h.scale;
+  const unsigned first = cube.first();
   const std::uint64_t voxels = std::uint64_t{h.edge} * h.edge * h.edge;
   std::uint64_t at = 0;
   unsigned x = 0, y = 0, z = 0;
@@ -99,7 +149,7 @@ voxel_grid read_binvox(const std::filesystem::path& file, unsigned resolution) {
     at += length;
     if (at > voxels) throw input_error(run_place(i + 1), fmt::format("voxel {}", at), fmt::format("{}, as its header claims", voxels));
     for (unsigned n = 0; n < length; ++n) {
-      if (value != 0) grid.fill(first + x, first + y, first + z);
+      if (value != 0) cube.grid.fill(first + x, first + y, first + z);
       if (++y != h.edge) continue;
       y = 0;
       if (++z != h.edge) continue;
@@ -109,14 +159,14 @@ voxel_grid read_binvox(const std::filesystem::path& file, unsigned resolution) {
   }
   if (runs.size() % 2 != 0) throw input_error(place, "a value without its run", "pairs of bytes");
   if (at != voxels) throw input_error(place, fmt::format("{} voxels", at), fmt::format("{}, as its header claims", voxels));
-  return grid;
+  return cube;
 }
 
-void write_binvox(const std::filesystem::path& file, const voxel_grid& grid) {
+void write_binvox(const std::filesystem::path& file, const voxel_cube& cube) {
   constexpr std::size_t chunk_bytes = std::size_t{1} << 20;
-  const unsigned edge = grid.resolution();
+  const unsigned edge = cube.edge, first = cube.first();
   config::output_file out(file);
-  std::string chunk = fmt::format("#binvox 1\ndim {0} {0} {0}\ntranslate -1 -1 -1\nscale 2\ndata\n", edge);
+  std::string chunk = fmt::format("#binvox 1\ndim {0} {0} {0}\ntranslate {1}\nscale {2}\ndata\n", edge, fmt::join(cube.translate, " "), cube.scale);
   bool value = false;
   unsigned length = 0;
   const auto end_run = [&] {
@@ -128,7 +178,7 @@ void write_binvox(const std::filesystem::path& file, const voxel_grid& grid) {
   for (unsigned x = 0; x < edge; ++x) {
     for (unsigned z = 0; z < edge; ++z)
       for (unsigned y = 0; y < edge; ++y) {
-        const bool filled = grid.at(x, y, z);
+        const bool filled = cube.grid.at(first + x, first + y, first + z);
         if (filled != value || length == most_run) end_run();
         value = filled;
         ++length;

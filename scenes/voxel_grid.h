@@ -33,24 +33,20 @@ class voxel_grid {
     const std::uint32_t i = morton(x, y, z);
     blocks_[i >> 6] |= std::uint64_t{1} << (i & 63);
   }
-  /// Fills the voxel if it is empty, empties it if it is filled.
-  void flip(unsigned x, unsigned y, unsigned z) {
-    const std::uint32_t i = morton(x, y, z);
-    blocks_[i >> 6] ^= std::uint64_t{1} << (i & 63);
-  }
   /// Fills the aligned cube of 8^`level` voxels that is number `index` in Morton order.
   void fill_cube(unsigned level, std::uint32_t index);
 
-  /// Fills a voxel if among those from the border up to it, itself included, an odd number is filled, and empties the others.
-  /// `axis`: the direction, 0 to 2 for x to z.
-  void accumulate_parity(unsigned axis);
-  /// Fills what `other` fills; both of one resolution.
-  voxel_grid& operator|=(const voxel_grid& other);
+  /// Fills those voxels of block `number` whose bits are set.
+  void fill_block(std::uint32_t number, std::uint64_t bits) { blocks_[number] |= bits; }
 
   /// How many voxels are filled.
   std::uint64_t count() const;
   /// The 4x4x4 cubes in Morton order; at resolution 2 the low byte of the only one.
   const std::vector<std::uint64_t>& blocks() const { return blocks_; }
+  /// The number in Morton order of what lies at these coordinates: of a voxel in its block, of a block by blocks from the border.
+  static constexpr std::uint32_t morton(std::uint32_t x, std::uint32_t y, std::uint32_t z) {
+    return spread(x) | (spread(y) << 1) | (spread(z) << 2);
+  }
 
   friend bool operator==(const voxel_grid& a, const voxel_grid& b) { return a.levels_ == b.levels_ && a.blocks_ == b.blocks_; }
   friend bool operator!=(const voxel_grid& a, const voxel_grid& b) { return !(a == b); }
@@ -62,9 +58,6 @@ class voxel_grid {
     v = (v | (v << 8)) & 0x0300f00f;
     v = (v | (v << 4)) & 0x030c30c3;
     return (v | (v << 2)) & 0x09249249;
-  }
-  static constexpr std::uint32_t morton(std::uint32_t x, std::uint32_t y, std::uint32_t z) {
-    return spread(x) | (spread(y) << 1) | (spread(z) << 2);
   }
 
   unsigned levels_ = 0;

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <vector>
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
@@ -136,24 +137,63 @@ constexpr Int floor_of(Int n, Int d) {
 // How many voxels, counted from the border, have their centre at `at` or before it.
 constexpr std::int64_t centres_up_to(std::int64_t at) { return (at + voxel_edge / 2) >> fraction_bits; }
 
-// Flips the voxel behind each crossing of a triangle with a line through voxel centres along `axis`.
+using grid_triangle = std::array<grid_point, 3>;
+
+// A mesh's triangles with their vertices on whole numbers.
+class triangles_on_grid {
+ public:
+  triangles_on_grid(const mesh& m, const placement& place) : mesh_(m), place_(place) {}
+
+  std::size_t size() const { return mesh_.triangles.size(); }
+  grid_triangle operator[](std::size_t n) const {
+    grid_triangle t;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const glm::dvec3 p = glm::round(place_(mesh_.vertices[mesh_.triangles[n][k]]) * static_cast<double>(voxel_edge));
+      t[k] = {static_cast<std::int64_t>(p.x), static_cast<std::int64_t>(p.y), static_cast<std::int64_t>(p.z)};
+    }
+    return t;
+  }
+
+ private:
+  const mesh& mesh_;
+  const placement& place_;
+};
+
+// The rows of voxel centres that a triangle meets: the first, and the one past the last.
+struct row_range {
+  row_range(const grid_triangle& t, std::size_t axis, std::int64_t rows) {
+    const auto [least, most] = std::minmax({t[0][axis], t[1][axis], t[2][axis]});
+    first = std::max<std::int64_t>(centres_up_to(least - 1), 0);
+    past = std::min(centres_up_to(most - 1), rows);
+  }
+  std::int64_t first, past;
+};
+
+// How often triangles wind around the voxel centres of a layer of blocks, seen along `axis`: at each crossing with the line through a
+// column of centres it changes by one, up or down as the triangle faces.
 //
 // The lines are thought to be moved by next to nothing, more along u than along v, so that none meets an edge: then two triangles cross
-// a line through their common edge once together, and a closed surface an even number of times.
-class crossing_counter {
+// a line through their common edge once together, and a closed surface as often one way as the other.
+class winding_layer {
  public:
-  crossing_counter(voxel_grid& grid, unsigned axis)
-      : grid_(grid), resolution_(grid.resolution()), u_((axis + 1) % 3), v_((axis + 2) % 3), w_(axis) {}
+  winding_layer(unsigned resolution, unsigned axis)
+      : resolution_(resolution), edge_(std::max(resolution / 4, 1U)), u_((axis + 1) % 3), v_((axis + 2) % 3), w_(axis),
+        changes_(std::size_t{edge_} * edge_), is_crossed_(changes_.size()) {
+    for (unsigned place = 0; place < 64; ++place)
+      bits_[place] = std::uint64_t{1} << number_of(place / 4 % 4, place / 16, place % 4);
+  }
 
-  void count(const std::array<grid_point, 3>& t) {
-    const auto [least, most] = std::minmax({t[0][v_], t[1][v_], t[2][v_]});
-    const std::int64_t first = std::max<std::int64_t>(centres_up_to(least - 1), 0);
-    const std::int64_t past = std::min(centres_up_to(most - 1), resolution_);
+  std::size_t row_axis() const { return v_; }
+
+  // Counts a triangle's crossings in layer number `layer`.
+  void count(const grid_triangle& t, unsigned layer) {
+    const row_range rows(t, v_, resolution_);
+    const std::int64_t first = std::max<std::int64_t>(rows.first, 4 * layer), past = std::min<std::int64_t>(rows.past, 4 * layer + 4);
     if (first >= past) return;
     // The plane: normal * (point - t[0]) = 0.
     const std::int64_t normal_w = product(t, u_, v_), normal_u = product(t, v_, w_), normal_v = product(t, w_, u_);
     if (normal_w == 0) return;
-    const std::int64_t sign = normal_w < 0 ? -1 : 1;
+    const std::int32_t sign = normal_w < 0 ? -1 : 1;
     for (std::int64_t j = first; j < past; ++j) {
       const std::int64_t v = j * voxel_edge + voxel_edge / 2;
       // The row meets two edges, and the triangle between them.
@@ -167,14 +207,38 @@ class crossing_counter {
         const std::int64_t u = i * voxel_edge + voxel_edge / 2;
         const int128 slope = int128{normal_u} * (u - t[0][u_]) + int128{normal_v} * (v - t[0][v_]);
         const std::int64_t w = t[0][w_] + static_cast<std::int64_t>(floor_of<int128>(-slope * sign, int128{normal_w} * sign));
-        flip_behind(i, j, w);
+        change_behind(i, j, w, sign);
+      }
+    }
+  }
+
+  // Hands each block of the layer to `take(number, bits)`, bits set where the winding number is not 0, and clears the layer.
+  template <class Take>
+  void hand_over(unsigned layer, Take&& take) {
+    for (unsigned i = 0; i < edge_; ++i) {
+      std::array<std::int32_t, 16> winding{};  // of each of a block's columns
+      std::uint64_t inside = 0;                // of a block that nothing crosses
+      for (unsigned k = 0; k < edge_; ++k) {
+        const std::size_t at = std::size_t{i} * edge_ + k;
+        const std::uint32_t number = number_of(i, layer, k);
+        if (is_crossed_[at] == 0) {
+          take(number, inside & present());
+          continue;
+        }
+        take(number, add(changes_[at], winding) & present());
+        changes_[at] = {};
+        is_crossed_[at] = 0;
+        block_of_changes none{};
+        inside = add(none, winding);
       }
     }
   }
 
  private:
+  using block_of_changes = std::array<std::int32_t, 64>;  // behind each place (v, u, w), w fastest
+
   // A coordinate of the normal: the cross product of two edges in the plane of two axes.
-  static std::int64_t product(const std::array<grid_point, 3>& t, std::size_t a, std::size_t b) {
+  static std::int64_t product(const grid_triangle& t, std::size_t a, std::size_t b) {
     return (t[1][a] - t[0][a]) * (t[2][b] - t[0][b]) - (t[1][b] - t[0][b]) * (t[2][a] - t[0][a]);
   }
   // How many centres of the row at v lie on the lesser side of the edge from a up to b.
@@ -183,36 +247,59 @@ class crossing_counter {
     const std::int64_t less = floor_of((b[u_] - a[u_]) * (v - a[v_]) - 1, b[v_] - a[v_]);
     return std::clamp<std::int64_t>(centres_up_to(a[u_] + less), 0, resolution_);
   }
-  void flip_behind(std::int64_t i, std::int64_t j, std::int64_t w) {
+  void change_behind(std::int64_t i, std::int64_t j, std::int64_t w, std::int32_t by) {
     const std::int64_t k = std::max<std::int64_t>(centres_up_to(w), 0);
     if (k >= resolution_) return;
-    std::array<unsigned, 3> at{};
-    at[u_] = static_cast<unsigned>(i);
-    at[v_] = static_cast<unsigned>(j);
-    at[w_] = static_cast<unsigned>(k);
-    grid_.flip(at[0], at[1], at[2]);
+    const auto at = static_cast<std::size_t>(i / 4 * edge_ + k / 4);
+    changes_[at][static_cast<std::size_t>(j % 4 * 16 + i % 4 * 4 + k % 4)] += by;
+    is_crossed_[at] = 1;
   }
+  // Adds a block's changes to the winding of its columns; the bits are set where it is not 0.
+  std::uint64_t add(const block_of_changes& changes, std::array<std::int32_t, 16>& winding) const {
+    std::uint64_t bits = 0;
+    for (std::size_t place = 0; place < 64; ++place)
+      if ((winding[place / 4] += changes[place]) != 0) bits |= bits_[place];
+    return bits;
+  }
+  std::uint32_t number_of(unsigned u, unsigned v, unsigned w) const {
+    std::array<unsigned, 3> at{};
+    at[u_] = u, at[v_] = v, at[w_] = w;
+    return voxel_grid::morton(at[0], at[1], at[2]);
+  }
+  // The places of a block that are voxels.
+  std::uint64_t present() const { return resolution_ < 4 ? 0xff : ~std::uint64_t{0}; }
 
-  voxel_grid& grid_;
   std::int64_t resolution_;
+  unsigned edge_;  // in blocks
   std::size_t u_, v_, w_;
+  std::array<std::uint64_t, 64> bits_{};
+  std::vector<block_of_changes> changes_;
+  std::vector<std::uint8_t> is_crossed_;
 };
 
-// The voxels whose centre is odd, seen along `axis`.
-voxel_grid odd_voxels(const mesh& m, const placement& place, unsigned resolution, unsigned axis, steps_counted progress) {
-  voxel_grid grid(resolution);
-  crossing_counter counter(grid, axis);
-  for (const auto& corners : m.triangles) {
-    std::array<grid_point, 3> t;
-    for (std::size_t k = 0; k < 3; ++k) {
-      const glm::dvec3 p = glm::round(place(m.vertices[corners[k]]) * static_cast<double>(voxel_edge));
-      t[k] = {static_cast<std::int64_t>(p.x), static_cast<std::int64_t>(p.y), static_cast<std::int64_t>(p.z)};
+// Hands each block of voxels to `take(number, bits)`, bits set where the mesh winds around a voxel's centre, seen along `axis`.
+template <class Take>
+void winding_blocks(const triangles_on_grid& triangles, unsigned resolution, unsigned axis, const progress_handler& progress, Take&& take) {
+  winding_layer layer(resolution, axis);
+  const unsigned layers = std::max(resolution / 4, 1U);
+  std::vector<std::vector<std::uint32_t>> beginning(layers);  // triangles by the first layer that they meet
+  for (std::uint32_t n = 0; n < triangles.size(); ++n)
+    if (const row_range rows(triangles[n], layer.row_axis(), resolution); rows.first < rows.past)
+      beginning[static_cast<std::size_t>(rows.first / 4)].push_back(n);
+  std::vector<std::uint32_t> met;
+  for (unsigned number = 0; number < layers; ++number) {
+    met.insert(met.end(), beginning[number].begin(), beginning[number].end());
+    std::vector<std::uint32_t>().swap(beginning[number]);
+    std::size_t kept = 0;
+    for (const std::uint32_t n : met) {
+      const grid_triangle t = triangles[n];
+      layer.count(t, number);
+      if (row_range(t, layer.row_axis(), resolution).past > 4 * (std::int64_t{number} + 1)) met[kept++] = n;
     }
-    counter.count(t);
-    progress.done();
+    met.resize(kept);
+    layer.hand_over(number, take);
+    if (progress) progress(static_cast<double>(number + 1) / layers);
   }
-  grid.accumulate_parity(axis);
-  return grid;
 }
 
 }  // namespace
@@ -228,15 +315,20 @@ voxel_grid voxelise_solid(const mesh& m, unsigned resolution, const std::string&
                       "a closed mesh to fill, or surface voxels");
   }
   const placement where(m, resolution, fit);
-  const auto steps = [&](int part) { return steps_counted(progress, m.triangles.size(), 0.25 * part, 0.25 * (part + 1)); };
-  const voxel_grid touched = surface(m, where, resolution, steps(0));
-  voxel_grid filled = odd_voxels(m, where, resolution, 2, steps(1));
-  filled |= touched;
-  for (unsigned axis = 0; axis < 2; ++axis) {
-    voxel_grid other = odd_voxels(m, where, resolution, axis, steps(2 + static_cast<int>(axis)));
-    other |= touched;
-    if (other != filled) throw input_error(place, "voxels that are inside as seen along one axis alone", "a closed mesh");
-  }
+  const triangles_on_grid triangles(m, where);
+  const voxel_grid touched = surface(m, where, resolution, steps_counted(progress, m.triangles.size(), 0, 0.25));
+  voxel_grid filled = touched;
+  const auto along = [&](unsigned axis, double from, const auto& take) {
+    const auto part = [&](double share) { progress(from + 0.25 * share); };
+    winding_blocks(triangles, resolution, axis, progress ? progress_handler(part) : progress_handler(), take);
+  };
+  along(2, 0.25, [&](std::uint32_t number, std::uint64_t inside) { filled.fill_block(number, inside); });
+  bool agree = true;
+  for (const unsigned axis : {0U, 1U})
+    along(axis, 0.5 + 0.25 * axis, [&](std::uint32_t number, std::uint64_t inside) {
+      agree &= (inside | touched.blocks()[number]) == filled.blocks()[number];
+    });
+  if (!agree) throw input_error(place, "voxels that are inside as seen along one axis alone", "a closed mesh");
   return filled;
 }
 

@@ -20,9 +20,14 @@ struct convert_options {
 
 /// Makes an octree (.svo) or voxels (.binvox) of a mesh, or one of these of the other, and tells what came of it, in words.
 ///
-/// A mesh becomes `resolution` voxels an edge, those of its surface or, if `solid`, also those inside. Voxels keep their
-/// number unless `resolution` asks for more: an octree is divided further, a `.binvox` comes to stand in the middle.
-/// Errors: input_error for files and options that can't be used, for a mesh that is not closed though `solid`.
+/// A mesh becomes `resolution` voxels an edge, those of its surface or, if `solid`, also those inside; faces that are turned against
+/// their neighbours are turned back for that (`turn_alike`). Voxels keep their number unless `resolution` asks for more: an octree is
+/// divided further, a `.binvox` comes to stand in the middle.
+///
+/// An octree has a power of two of voxels an edge and lies in [-1,1]^3. A `.binvox` of another edge comes to stand in the middle of it,
+/// and `resolution` N takes N in the middle of the least power of two back out. Its place in space is lost, which is told.
+/// Errors: input_error for files and options that can't be used, for a mesh that is not closed though `solid`, for filled voxels
+/// outside the middle.
 std::string convert(const convert_options& options);
 
 }  // namespace rtusim

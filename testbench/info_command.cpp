@@ -3,7 +3,9 @@
 #include <algorithm>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include "modules/config/endings.h"
 #include "modules/config/error.h"
 #include "modules/config/files.h"
 #include "modules/formats/svo_image.h"
@@ -43,13 +45,15 @@ std::string octree_text(const std::filesystem::path& file, const std::filesystem
 }
 
 std::string binvox_text(const std::filesystem::path& file, const std::filesystem::path& image) {
-  const voxel_grid grid = read_binvox(file);
-  const std::string text = fmt::format("voxels in a cube of {} an edge", grid.resolution());
+  const voxel_cube cube = read_binvox(file);
+  const voxel_grid& grid = cube.grid;
+  const std::string text = fmt::format("voxels in a cube of {} an edge", cube.edge);
+  const std::string place = fmt::format("{:>12} long, from {}: where the cube lies\n", cube.scale, fmt::join(cube.translate, " "));
   svo_summary s;
   if (grid.count() != 0) s = describe(build_svo(grid, file.string()), file.string(), widest_limits);
   draw(image, grid, s);
-  if (s.levels == 0) return text + ", none filled\n";
-  return text + fmt::format("; as an octree of {} levels, {} voxels an edge:\n", s.levels, std::uint64_t{1} << s.levels) + summary_text(s);
+  if (s.levels == 0) return text + ", none filled\n" + place;
+  return text + fmt::format("; as an octree of {} levels, {} voxels an edge:\n", s.levels, std::uint64_t{1} << s.levels) + summary_text(s) + place;
 }
 
 std::string mesh_text(const std::filesystem::path& file, const std::filesystem::path& image) {
@@ -69,7 +73,7 @@ std::string mesh_text(const std::filesystem::path& file, const std::filesystem::
 
 std::string info_text(const std::filesystem::path& file, const std::filesystem::path& image) {
   if (!image.empty()) {
-    if (image.extension() != ".png") throw input_error(image.string(), "no picture format that we write", "NAME.png");
+    if (config::ending_of(image) != ".png") throw input_error(image.string(), "no picture format that we write", "NAME.png");
     config::check_writable(image);
   }
   if (is_octree(file)) return octree_text(file, image);

@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 
+#include "modules/config/endings.h"
 #include "modules/config/error.h"
 #include "modules/config/files.h"
 #include "testbench/csv.h"
@@ -60,9 +61,9 @@ std::vector<ray_list::ray> read_words(const std::filesystem::path& file) {
 }  // namespace
 
 ray_list::ray_list(const std::filesystem::path& file) {
-  const auto ending = file.extension() == ".gz" ? file.stem().extension() : file.extension();
+  const std::string ending = config::unzipped_ending_of(file);
   if (ending != ".csv" && ending != ".bin")
-    throw input_error(file.string(), fmt::format("a ray list ending in \"{}\"", ending.string()), ".csv or .bin, zipped (.gz) or not");
+    throw input_error(file.string(), fmt::format("a ray list ending in \"{}\"", ending), ".csv or .bin, zipped (.gz) or not");
   rays_ = ending == ".csv" ? read_text(file) : read_words(file);
   if (rays_.empty()) throw input_error(file.string(), "no rays", "origin and direction of one at least");
 }

@@ -1,5 +1,6 @@
 #include "testbench/scene.h"
 
+#include "modules/config/endings.h"
 #include "modules/config/error.h"
 #include "scenes/binvox.h"
 #include "scenes/mesh.h"
@@ -9,9 +10,7 @@
 namespace rtusim {
 namespace {
 
-bool ends_in(const std::filesystem::path& file, const char* ending) {
-  return file.extension() == ending || (file.extension() == ".gz" && file.stem().extension() == ending);
-}
+bool ends_in(const std::filesystem::path& file, const char* ending) { return config::unzipped_ending_of(file) == ending; }
 
 }  // namespace
 
@@ -53,7 +52,7 @@ bool has_patches(const std::filesystem::path& file) { return ends_in(file, ".bpt
 svo_image load_model(const std::filesystem::path& file, unsigned resolution, unsigned patch_quads, const svo_limits& limits) {
   if (is_octree(file)) return read_svo(file, limits);
   if (is_binvox(file)) {
-    svo_image image = build_svo(read_binvox(file), file.string());
+    svo_image image = build_svo(read_binvox(file).grid, file.string());
     check_svo(image, file.string(), limits);
     return image;
   }

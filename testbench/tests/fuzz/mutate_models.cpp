@@ -208,7 +208,7 @@ void read_as_mesh(const std::filesystem::path& file) {
   build_svo(voxelise_surface(m, 32), file.string());
 }
 
-void read_as_voxels(const std::filesystem::path& file) { build_svo(read_binvox(file), file.string()); }
+void read_as_voxels(const std::filesystem::path& file) { build_svo(read_binvox(file).grid, file.string()); }
 
 void read_as_octree(const std::filesystem::path& file) {
   const svo_limits limits{26, 20};
@@ -239,7 +239,7 @@ std::vector<format> formats() {
           {"gltf", gltf(m), read_as_mesh},
           {"glb", glb(m), read_as_mesh},
           {"bpt", bpt(), read_as_mesh},
-          {"binvox", bytes_written([&](const auto& file) { write_binvox(file, grid); }), read_as_voxels},
+          {"binvox", bytes_written([&](const auto& file) { write_binvox(file, voxel_cube(grid)); }), read_as_voxels},
           {"svo", bytes_written([&](const auto& file) { write_svo(file, build_svo(grid, "torus")); }), read_as_octree}};
 }
 

@@ -4,15 +4,18 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <map>
 #include <random>
 #include <string>
 #include <vector>
 
 #include <catch2/catch.hpp>
 #include <glm/common.hpp>
+#include <glm/geometric.hpp>
 
 #include "modules/config/error.h"
 #include "scenes/mesh.h"
+#include "scenes/orientation.h"
 #include "scenes/voxel_grid.h"
 
 namespace rtusim {
@@ -138,11 +141,76 @@ mesh cube_of(const glm::dvec3& lower, double edge) {
   return m;
 }
 
+void turn_inside_out(mesh& m) {
+  for (auto& t : m.triangles) std::swap(t[1], t[2]);
+}
+
 mesh joined(mesh a, const mesh& b) {
   const auto first = static_cast<std::uint32_t>(a.vertices.size());
   a.vertices.insert(a.vertices.end(), b.vertices.begin(), b.vertices.end());
   for (const auto& t : b.triangles) a.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
   return a;
+}
+
+// How often a mesh winds around a point: the solid angles under which its triangles are seen (van Oosterom and Strackee 1983), by 4 pi.
+double winding_number(const mesh& m, const glm::dvec3& point) {
+  double sum = 0;
+  for (const auto& t : m.triangles) {
+    const glm::dvec3 a = m.vertices[t[0]] - point, b = m.vertices[t[1]] - point, c = m.vertices[t[2]] - point;
+    const double la = glm::length(a), lb = glm::length(b), lc = glm::length(c);
+    sum += 2 * std::atan2(glm::dot(a, glm::cross(b, c)), la * lb * lc + glm::dot(a, b) * lc + glm::dot(b, c) * la + glm::dot(c, a) * lb);
+  }
+  return sum / (4 * 3.141592653589793);
+}
+
+// Of each voxel that no surface touches: filled if and only if the mesh winds around its centre.
+void check_winding(const mesh& m, unsigned resolution) {
+  const double fit = 0.9;
+  const voxel_grid touched = voxelise_surface(m, resolution, fit), solid = voxelise_solid(m, resolution, "mesh", fit);
+  const bounding_box box = bounds(m);
+  unsigned inside = 0, wrong = 0;
+  for (unsigned z = 0; z < resolution; ++z)
+    for (unsigned y = 0; y < resolution; ++y)
+      for (unsigned x = 0; x < resolution; ++x) {
+        if (touched.at(x, y, z)) {
+          wrong += solid.at(x, y, z) ? 0 : 1;
+          continue;
+        }
+        const glm::dvec3 place = (glm::dvec3(x, y, z) + 0.5) * (2.0 / resolution) - 1.0;
+        const double winding = winding_number(m, place * (box.half_extent() / fit) + box.centre());
+        REQUIRE(std::abs(winding - std::round(winding)) < 1e-6);
+        const bool expected = std::round(winding) != 0;
+        inside += expected ? 1 : 0;
+        wrong += expected != solid.at(x, y, z) ? 1 : 0;
+      }
+  CHECK(inside > 0);
+  CHECK(wrong == 0);
+}
+
+// A ball of triangles, an octahedron divided `times`, somewhere and stretched.
+mesh ball(std::mt19937& random, int times, double least, double most) {
+  mesh m;
+  m.vertices = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
+  m.triangles = {{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4}, {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}};
+  for (int n = 0; n < times; ++n) {
+    std::map<std::array<std::uint32_t, 2>, std::uint32_t> middles;
+    const auto middle = [&](std::uint32_t a, std::uint32_t b) {
+      const auto [at, is_new] = middles.emplace(std::array{std::min(a, b), std::max(a, b)}, static_cast<std::uint32_t>(m.vertices.size()));
+      if (is_new) m.vertices.push_back(glm::normalize(m.vertices[a] + m.vertices[b]));
+      return at->second;
+    };
+    std::vector<std::array<std::uint32_t, 3>> finer;
+    for (const auto& t : m.triangles) {
+      const std::uint32_t ab = middle(t[0], t[1]), bc = middle(t[1], t[2]), ca = middle(t[2], t[0]);
+      for (const auto& part : {std::array{t[0], ab, ca}, std::array{ab, t[1], bc}, std::array{ca, bc, t[2]}, std::array{ab, bc, ca}})
+        finer.push_back(part);
+    }
+    m.triangles = finer;
+  }
+  std::uniform_real_distribution<double> size(least, most), place(-1, 1);
+  const glm::dvec3 radii(size(random), size(random), size(random)), centre(place(random), place(random), place(random));
+  for (glm::dvec3& v : m.vertices) v = v * radii + centre;
+  return m;
 }
 
 // The message with which a mesh is not filled.
@@ -285,7 +353,8 @@ TEST_CASE("solid is surface and inside, as seen along another axis", "[voxeliser
     CAPTURE(name);
     const mesh m = on_dyadic_steps(read_mesh(data + name));
     voxel_grid expected = inside_along_x(m);
-    expected |= voxelise_surface(m, 64, 1.0);
+    const voxel_grid touched = voxelise_surface(m, 64, 1.0);
+    for (std::uint32_t i = 0; i < touched.blocks().size(); ++i) expected.fill_block(i, touched.blocks()[i]);
     const voxel_grid solid = voxelise_solid(m, 64, name, 1.0);
     CHECK(solid.count() > voxelise_surface(m, 64, 1.0).count());
     CHECK((solid == expected));
@@ -300,12 +369,14 @@ TEST_CASE("a solid cube is filled, wherever its corners lie", "[voxeliser]") {
   // Corners, edges and diagonals at the centres of voxels, and at their borders.
   CHECK(voxelise_solid(cube_of({0, 0, 0}, 1), 16, "cube", 11.0 / 16).count() == 12 * 12 * 12);
   CHECK(voxelise_solid(cube_of({0, 0, 0}, 1), 16, "cube", 0.5).count() == 10 * 10 * 10);
-  // Inside out it is the same; another cube inside is a hole.
+  // Inside out it is the same; another cube inside is nothing more, and a hollow if it is turned inside out.
   mesh turned = cube_of({0, 0, 0}, 1);
-  for (auto& t : turned.triangles) std::swap(t[0], t[1]);
+  turn_inside_out(turned);
   CHECK(voxelise_solid(turned, 16, "cube").count() == 16 * 16 * 16);
-  const mesh hollow = joined(cube_of({0, 0, 0}, 16), cube_of({4.25, 4.25, 4.25}, 7.5));
-  CHECK(voxelise_solid(hollow, 16, "cube", 1.0).count() == 16 * 16 * 16 - 6 * 6 * 6);
+  mesh inner = cube_of({4.25, 4.25, 4.25}, 7.5);
+  CHECK(voxelise_solid(joined(cube_of({0, 0, 0}, 16), inner), 16, "cube", 1.0).count() == 16 * 16 * 16);
+  turn_inside_out(inner);
+  CHECK(voxelise_solid(joined(cube_of({0, 0, 0}, 16), inner), 16, "cube", 1.0).count() == 16 * 16 * 16 - 6 * 6 * 6);
   // Two cubes with an edge in common: four triangles at it, two each way.
   const mesh twins = joined(cube_of({0, 0, 0}, 1), cube_of({1, 1, 0}, 1));
   CHECK(voxelise_solid(twins, 16, "cube", 1.0).count() > 2 * 8 * 8 * 8);
@@ -329,29 +400,101 @@ TEST_CASE("a mesh that leaks is not filled", "[voxeliser]") {
   CHECK_THAT(leak_of(m), Catch::StartsWith("cube: 3 open edges"));
 }
 
-TEST_CASE("parity along an axis", "[voxel_grid]") {
-  std::mt19937 random(3);
-  for (const unsigned resolution : {2U, 4U, 8U, 16U})
-    for (unsigned axis = 0; axis < 3; ++axis) {
-      voxel_grid grid(resolution);
-      for (unsigned n = 0; n < resolution * resolution; ++n)
-        grid.flip(static_cast<unsigned>(random() % resolution), static_cast<unsigned>(random() % resolution),
-                  static_cast<unsigned>(random() % resolution));
-      voxel_grid expected(resolution);
-      for (unsigned u = 0; u < resolution; ++u)
-        for (unsigned v = 0; v < resolution; ++v) {
-          bool odd = false;
-          for (unsigned w = 0; w < resolution; ++w) {
-            std::array<unsigned, 3> at{};
-            at[axis] = w, at[(axis + 1) % 3] = u, at[(axis + 2) % 3] = v;
-            odd ^= grid.at(at[0], at[1], at[2]);
-            if (odd) expected.fill(at[0], at[1], at[2]);
-          }
-        }
-      grid.accumulate_parity(axis);
-      CAPTURE(resolution, axis);
-      CHECK((grid == expected));
+TEST_CASE("solid is where the winding number is not 0, over bodies that overlap, nest and are turned", "[voxeliser]") {
+  std::mt19937 random(11);
+  for (int n = 0; n < 12; ++n) {
+    CAPTURE(n);
+    mesh all;
+    for (int body = 0; body < 2 + n % 4; ++body) {
+      mesh b = ball(random, n % 3, 0.2, 1.2);
+      if (random() % 3 == 0) turn_inside_out(b);
+      all = joined(all, b);
     }
+    check_winding(all, n % 2 == 0 ? 16 : 32);
+  }
+  // A body within one within one, all faces outwards, the inner ones turned, and one of the inner ones.
+  for (unsigned turned = 0; turned < 8; ++turned) {
+    CAPTURE(turned);
+    mesh all;
+    for (unsigned k = 0; k < 3; ++k) {
+      mesh b = cube_of(glm::dvec3(k * 1.5), 10.0 - 3 * k);
+      if (((turned >> k) & 1) != 0) turn_inside_out(b);
+      all = joined(all, b);
+    }
+    check_winding(all, 16);
+  }
+  // A surface that passes through itself: a ring that runs around twice, so that most of it is wound around twice.
+  mesh ring;
+  constexpr unsigned along = 60, around = 12;
+  for (unsigned i = 0; i < along; ++i)
+    for (unsigned j = 0; j < around; ++j) {
+      const double u = 4 * 3.141592653589793 * i / along, v = 2 * 3.141592653589793 * j / around;
+      const double from_axis = 2 + 0.3 * std::cos(u / 2) + 0.8 * std::cos(v);
+      ring.vertices.emplace_back(from_axis * std::cos(u), from_axis * std::sin(u), 0.8 * std::sin(v) + 0.3 * std::sin(u / 2));
+    }
+  for (std::uint32_t i = 0; i < along; ++i)
+    for (std::uint32_t j = 0; j < around; ++j) {
+      const auto at = [](std::uint32_t x, std::uint32_t y) { return x % along * around + y % around; };
+      ring.triangles.push_back({at(i, j), at(i + 1, j), at(i + 1, j + 1)});
+      ring.triangles.push_back({at(i, j), at(i + 1, j + 1), at(i, j + 1)});
+    }
+  check_winding(ring, 32);
+}
+
+TEST_CASE("two cubes that overlap are one solid", "[voxeliser]") {
+  const mesh m = read_mesh(RTUSIM_SOURCE_DIR "/testbench/tests/cases/mesh_cubes_overlapping.obj");
+  CHECK(voxelise_solid(m, 32, "cubes", 1.0).count() == 17522);
+}
+
+TEST_CASE("faces that are turned against their neighbours are turned back", "[orientation]") {
+  mesh m = read_mesh(RTUSIM_SOURCE_DIR "/testbench/tests/cases/mesh_cube_one_turned.obj");
+  CHECK(turn_alike(m) == 2);
+  CHECK(voxelise_solid(m, 16, "cube", 1.0).count() == 16 * 16 * 16);
+  CHECK(turn_alike(m) == 0);
+
+  // Random faces of a ball, fewer than half of them: all come back.
+  std::mt19937 random(5);
+  for (int n = 0; n < 20; ++n) {
+    CAPTURE(n);
+    const mesh whole = ball(random, 2, 0.5, 1);
+    mesh turned = whole;
+    std::uint64_t count = 0;
+    for (auto& t : turned.triangles)
+      if (random() % 10 < 4 && 2 * (count + 1) < turned.triangles.size()) std::swap(t[1], t[2]), ++count;
+    CHECK(turn_alike(turned) == count);
+    REQUIRE(turned.triangles.size() == whole.triangles.size());
+    for (std::size_t i = 0; i < whole.triangles.size(); ++i) {  // the same way around, from any corner
+      auto t = turned.triangles[i];
+      while (t[0] != whole.triangles[i][0]) std::rotate(t.begin(), t.begin() + 1, t.end());
+      REQUIRE(t == whole.triangles[i]);
+    }
+  }
+  // A hollow stays one, though a face of it and one of the body's are turned.
+  mesh inner = cube_of(glm::dvec3(4.25), 7.5);
+  turn_inside_out(inner);
+  mesh hollow = joined(cube_of(glm::dvec3(0), 16), inner);
+  CHECK(turn_alike(hollow) == 0);
+  for (const std::size_t n : {3U, 15U}) std::swap(hollow.triangles[n][0], hollow.triangles[n][1]);
+  CHECK(turn_alike(hollow) == 2);
+  CHECK(voxelise_solid(hollow, 16, "cube", 1.0).count() == 16 * 16 * 16 - 6 * 6 * 6);
+  // As many one way as the other: outwards.
+  mesh even = cube_of(glm::dvec3(100), 1);
+  for (std::size_t n = 0; n < 6; ++n) std::swap(even.triangles[n][0], even.triangles[n][1]);
+  CHECK(turn_alike(even) == 6);
+  CHECK(winding_number(even, glm::dvec3(100.5)) == Approx(1));
+  // Bodies that share an edge keep each its own sides.
+  mesh twin = cube_of({1, 1, 0}, 1);
+  turn_inside_out(twin);
+  mesh twins = joined(cube_of({0, 0, 0}, 1), twin);
+  CHECK(turn_alike(twins) == 0);
+  // One side alone: a Moebius strip stays as open as it was.
+  mesh strip;
+  for (std::uint32_t i = 0; i < 5; ++i) {
+    strip.vertices.emplace_back(std::cos(1.3 * i), std::sin(1.3 * i), 0.1 * i);
+    strip.triangles.push_back({i, (i + 1) % 5, (i + 2) % 5});
+  }
+  turn_alike(strip);
+  CHECK_THAT(leak_of(strip), Catch::Contains("open edges"));
 }
 
 }  // namespace rtusim

@@ -1,5 +1,6 @@
 #include "testbench/convert_command.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <string>
@@ -21,6 +22,7 @@ namespace {
 
 const std::string golden = RTUSIM_SOURCE_DIR "/testbench/golden/svo/models/";
 const std::string data = RTUSIM_SOURCE_DIR "/scenes/data/";
+const std::string cases = RTUSIM_SOURCE_DIR "/testbench/tests/cases/";
 
 // A closed gear of quads: `teeth` teeth around z, with a bore, 2 across and 0.5 thick.
 std::string gear(int teeth) {
@@ -103,6 +105,73 @@ TEST_CASE("convert: octrees and voxels there and back", "[convert]") {
   CHECK((config::read_file(folder / "a.svo") == config::read_file(folder / "c.svo")));
 }
 
+TEST_CASE("convert: an octree does not keep a size that is no power of two, and says so", "[convert]") {
+  using Catch::Contains;
+  const test::scratch_folder folder;
+  const auto bytes = [](const std::filesystem::path& file) { return config::read_file(file); };
+  // Voxels in opposite corners, so that the octree has the cube's levels, with and without a place of its own.
+  const auto given = [&](unsigned edge, const std::string& place) {
+    const unsigned between = edge * edge * edge - 2;
+    std::string runs("\1\1", 2);
+    for (unsigned left = between, length; left != 0; left -= length) runs += {'\0', static_cast<char>(length = std::min(left, 255U))};
+    return folder.file("given.binvox", fmt::format("#binvox 1\ndim {0} {0} {0}\n{1}data\n{2}\1\1", edge, place, runs));
+  };
+  for (const unsigned edge : {3U, 5U, 6U, 24U, 33U, 100U}) {
+    CAPTURE(edge);
+    unsigned fine = 4;
+    while (fine < edge) fine *= 2;
+    const double lower = -1 + 2.0 * ((fine - edge) / 2) / fine;
+    const auto file = given(edge, fmt::format("translate {0} {0} {0}\nscale {1}\n", lower, 2.0 * edge / fine));
+    CHECK_THAT(convert(options(file, folder / "a.svo")),
+               Contains(fmt::format("the {} voxels an edge stand in the middle of the octree's {}; --resolution {} on the way back", edge, fine, edge)) &&
+                   Contains("an octree does not keep where they lie"));
+    convert(options(folder / "a.svo", folder / "b.binvox", edge));
+    CHECK((bytes(folder / "b.binvox") == bytes(file)));
+    convert(options(folder / "a.svo", folder / "c.binvox"));
+    CHECK_THAT(info_text(folder / "c.binvox"), Catch::StartsWith(fmt::format("voxels in a cube of {} an edge;", fine)));
+    CHECK_THROWS_WITH(convert(options(folder / "a.svo", folder / "b.binvox", edge == 3 ? 2 : edge - 1)), Contains("; expected "));
+    // Of voxels nothing is lost.
+    convert(options(file, folder / "d.binvox"));
+    CHECK((bytes(folder / "d.binvox") == bytes(file)));
+  }
+  CHECK_THAT(convert(options(given(6, ""), folder / "a.svo", 32)),
+             Contains("the 6 voxels an edge stand in the middle of the octree's 32\n") && Contains("translate 0 0 0, scale 1\n"));
+  CHECK_THAT(convert(options(given(8, "translate -1 -1 -1\nscale 2\n"), folder / "a.svo")), !Contains("middle") && !Contains("keep"));
+  CHECK_THAT(convert(options(given(8, "translate -1 -1 -1.5\nscale 2\n"), folder / "a.svo")), !Contains("middle") && Contains("-1 -1 -1.5"));
+  // The middle, but not all of what is filled.
+  convert(options(given(8, ""), folder / "a.svo"));
+  CHECK_THROWS_WITH(convert(options(folder / "a.svo", folder / "b.binvox", 7)),
+                    Contains("--resolution: 7, and 1 filled voxels outside the middle of 8; expected 8"));
+}
+
+TEST_CASE("convert: a solid with faces turned against their neighbours is told of", "[convert]") {
+  const test::scratch_folder folder;
+  convert_options o = options(cases + "mesh_cube_one_turned.obj", folder / "a.binvox", 32);
+  o.solid = true;
+  o.fit = 1;
+  CHECK(convert(o) ==
+        "2 of 12 triangles were turned against their neighbours, and are turned back\n32 voxels an edge, 32768 filled (100.000 %)\n");
+  o.from = cases + "mesh_cube.obj";
+  CHECK(convert(o) == "32 voxels an edge, 32768 filled (100.000 %)\n");
+  o.from = cases + "mesh_cubes_overlapping.obj";
+  CHECK(convert(o) == "32 voxels an edge, 17522 filled (53.473 %)\n");
+}
+
+TEST_CASE("convert and info: endings in capitals", "[convert]") {
+  const test::scratch_folder folder;
+  CHECK_THAT(info_text(cases + "UPPER.BINVOX"), Catch::Contains("           7 voxels filled"));
+  convert(options(cases + "UPPER.BINVOX", folder / "A.SVO"));
+  convert(options(folder / "A.SVO", folder / "B.BinVox"));
+  CHECK_THAT(info_text(folder / "B.BinVox"), Catch::Contains("           7 voxels filled"));
+  std::filesystem::copy(data + "dragon_res3.ply.gz", folder / "DRAGON.PLY.GZ");
+  CHECK_THAT(info_text(folder / "DRAGON.PLY.GZ"), Catch::StartsWith("mesh"));
+  std::filesystem::copy(golden + "dragon_8.svo", folder / "DRAGON.Svo");
+  CHECK(load_model(folder / "DRAGON.Svo", 0, 10, {}).words.size() == 35);
+  CHECK(has_patches("TEAPOT.BPT"));
+  CHECK(has_patches("teapot.bpt.GZ"));
+  CHECK_FALSE(has_patches("teapot.bpt.zip"));
+}
+
 TEST_CASE("convert: what can't be done is refused, and nothing is left", "[convert]") {
   const test::scratch_folder folder, inputs;
   const auto refused = [&](const convert_options& o, const std::string& text) {
@@ -151,7 +220,7 @@ TEST_CASE("info: octrees, voxels and meshes", "[convert]") {
              Catch::StartsWith("voxels in a cube of 8 an edge; as an octree of 3 levels, 8 voxels an edge:\n") &&
                  Catch::Contains(" 108 leaves\n"));
   folder.file("none.binvox", "#binvox 1\ndim 2 2 2\ndata\n" + std::string("\0\x08", 2));
-  CHECK(info_text(folder / "none.binvox") == "voxels in a cube of 2 an edge, none filled\n");
+  CHECK(info_text(folder / "none.binvox") == "voxels in a cube of 2 an edge, none filled\n           1 long, from 0 0 0: where the cube lies\n");
   CHECK_THAT(info_text(data + "teapot.bpt"), Catch::Contains(" 160 open edges\n"));
 }
 
