@@ -1,6 +1,7 @@
 #include "testbench/driver.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstddef>
 #include <cstring>
@@ -19,6 +20,10 @@ std::uint32_t binary32_bits(double value) {
 /// `a` with only its last set bit in x, y, z order (erratum `last_sign_only`).
 constexpr std::array<std::uint32_t, 8> last_sign{0, 1, 2, 2, 4, 4, 4, 4};
 
+constexpr double instead_of_zero = 0.0001;
+constexpr double greatest_turn = 1.0 / 64;  // beyond it a component that the format can't divide by is left as it is
+constexpr double rounding = 1 + 1e-6;       // parameters stay below the limit as binary32, too
+
 double value_of(std::uint32_t float_bits) {
   float value;
   std::memcpy(&value, &float_bits, sizeof value);
@@ -31,8 +36,11 @@ struct slab_lanes {
   double t0[3][n];
   double t1[3][n];
   double mirrored[3][n];  // 1 or 0: a double, as a comparison of doubles vectorises to one of its own width
+  double replaced[n];     // components of a ray that are not its own
 
-  void compute(const double (&origin)[3][n], const double (&direction)[3][n]) {
+  void compute(const double (&origin)[3][n], const double (&direction)[3][n], double limit) {
+    const double least_of_one = rounding / limit;  // the least component of a ray from the cube's middle
+    std::fill_n(replaced, n, 0.0);
     double length[n];
     for (std::size_t i = 0; i < n; ++i)
       length[i] = direction[0][i] * direction[0][i] + direction[1][i] * direction[1][i] + direction[2][i] * direction[2][i];
@@ -40,8 +48,13 @@ struct slab_lanes {
     for (std::size_t axis = 0; axis < 3; ++axis)
       for (std::size_t i = 0; i < n; ++i) {
         double d = direction[axis][i] / length[i];
-        d = d == 0 ? 0.0001 : d;
+        const double needed = (1 + std::fabs(origin[axis][i])) * least_of_one;
+        const double least = needed <= greatest_turn ? needed : 0;
+        const bool is_small = d == 0 || std::fabs(d) < least;
+        const double taken = std::max(instead_of_zero, least);
         const bool negative = d < 0;
+        d = is_small ? (negative ? -taken : taken) : d;
+        replaced[i] += is_small ? 1.0 : 0.0;
         const double o = negative ? -origin[axis][i] : origin[axis][i];
         d = negative ? -d : d;
         mirrored[axis][i] = negative ? 1.0 : 0.0;
@@ -50,9 +63,9 @@ struct slab_lanes {
       }
   }
 
-  job_packet packet(std::size_t i, std::uint32_t job_id, bool last_sign_only, std::uint32_t model_address) const {
+  job_packet packet(std::size_t i, std::uint32_t job_id, const slab_rules& rules, std::uint32_t model_address) const {
     auto a = static_cast<std::uint32_t>(static_cast<std::int32_t>(mirrored[0][i] + 2 * mirrored[1][i] + 4 * mirrored[2][i]));
-    if (last_sign_only) a = last_sign[a];
+    if (rules.last_sign_only) a = last_sign[a];
     return {job_id | a << job_id_bits,
             {binary32_bits(t0[0][i]), binary32_bits(t0[1][i]), binary32_bits(t0[2][i])},
             {binary32_bits(t1[0][i]), binary32_bits(t1[1][i]), binary32_bits(t1[2][i])},
@@ -92,16 +105,23 @@ bool meets_box(const double (&o)[3], const double (&d)[3], const per_axis<double
 
 /// Packets for voxel cores, of anything that gives rays as a camera does.
 template <class Rays>
-std::vector<job_packet> voxel_packets(const Rays& source, unsigned height, std::size_t count, bool last_sign_only,
-                                      std::uint32_t model_address, unsigned threads) {
+std::vector<job_packet> voxel_packets(const Rays& source, unsigned height, std::size_t count, const slab_rules& rules,
+                                      std::uint32_t model_address, unsigned threads, std::uint64_t* replaced) {
   std::vector<job_packet> jobs(count);
+  std::atomic<std::uint64_t> components{0};
   share_rows(height, threads, [&](unsigned first, unsigned past) {
     slab_lanes<ray_lanes::count> slabs;
+    double changed = 0;
     source.rows(first, past, [&](const ray_lanes& rays, unsigned lanes, std::uint32_t pixel) {
-      slabs.compute(rays.origin, rays.direction);
-      for (unsigned i = 0; i < lanes; ++i) jobs[pixel + i] = slabs.packet(i, pixel + i, last_sign_only, model_address);
+      slabs.compute(rays.origin, rays.direction, rules.limit);
+      for (unsigned i = 0; i < lanes; ++i) {
+        jobs[pixel + i] = slabs.packet(i, pixel + i, rules, model_address);
+        changed += slabs.replaced[i];
+      }
     });
+    components += static_cast<std::uint64_t>(changed);
   });
+  if (replaced != nullptr) *replaced += components;
   return jobs;
 }
 
@@ -137,21 +157,29 @@ std::vector<job_packet> triangle_packets(const Rays& source, unsigned height, st
 
 }  // namespace
 
+slab_rules slab_rules::of(const driver_params& p, const numeric::fixed_format& format) {
+  slab_rules rules;
+  rules.last_sign_only = p.last_sign_only;
+  if (!p.only_zero_replaced) rules.limit = std::ldexp(1.0, static_cast<int>(format.integer_bits) - 1);
+  return rules;
+}
+
 job_packet traversal_parameters(const per_axis<double>& origin, const per_axis<double>& direction, std::uint32_t job_id,
-                                bool last_sign_only, std::uint32_t model_address) {
+                                const slab_rules& rules, std::uint32_t model_address) {
   const double o[3][1]{{origin[0]}, {origin[1]}, {origin[2]}}, d[3][1]{{direction[0]}, {direction[1]}, {direction[2]}};
   slab_lanes<1> slabs;
-  slabs.compute(o, d);
-  return slabs.packet(0, job_id & job_id_mask, last_sign_only, model_address);
+  slabs.compute(o, d, rules.limit);
+  return slabs.packet(0, job_id & job_id_mask, rules, model_address);
 }
 
-std::vector<job_packet> camera_jobs(const camera::params& p, const frame::params& f, bool last_sign_only, std::uint32_t model_address,
-                                    unsigned threads) {
-  return voxel_packets(camera(p, f), f.height, std::size_t{f.width} * f.height, last_sign_only, model_address, threads);
+std::vector<job_packet> camera_jobs(const camera::params& p, const frame::params& f, const slab_rules& rules, std::uint32_t model_address,
+                                    unsigned threads, std::uint64_t* replaced) {
+  return voxel_packets(camera(p, f), f.height, std::size_t{f.width} * f.height, rules, model_address, threads, replaced);
 }
 
-std::vector<job_packet> list_jobs(const ray_list& rays, bool last_sign_only, std::uint32_t model_address, unsigned threads) {
-  return voxel_packets(rays, rays.height(), rays.size(), last_sign_only, model_address, threads);
+std::vector<job_packet> list_jobs(const ray_list& rays, const slab_rules& rules, std::uint32_t model_address, unsigned threads,
+                                  std::uint64_t* replaced) {
+  return voxel_packets(rays, rays.height(), rays.size(), rules, model_address, threads, replaced);
 }
 
 std::vector<job_packet> triangle_jobs(const camera::params& p, const frame::params& f, const grid_mapping& grid, direction_norm norm,

@@ -43,8 +43,9 @@ class frame {
 
   /// Where the hits lie, for pictures that show more than the results' words.
   struct places {
-    std::vector<std::array<float, 3>> points;  ///< in world units, a pixel's; of a hit that is nowhere, and of a miss, 0
-    unsigned cells = 0;                        ///< finest voxels an edge of the cube [-1, 1]^3; 0 where cores trace triangles
+    std::vector<std::array<float, 3>> points;          ///< in world units, a pixel's; of a hit that is nowhere, and of a miss, 0
+    std::vector<std::array<std::uint32_t, 3>> voxels;  ///< the finest voxel that a pixel's ray hit; empty where cores trace triangles
+    unsigned cells = 0;                                ///< finest voxels an edge of the cube [-1, 1]^3; 0 where cores trace triangles
   };
 
   /// What a pixel of triangle cores shows.

@@ -263,16 +263,8 @@ picture_map base_map(const frame& f, picture_kind kind) {
 }  // namespace
 
 std::optional<std::array<std::uint32_t, 3>> voxel_of(const frame& f, std::size_t pixel) {
-  const unsigned cells = f.where().cells;
-  if (cells == 0 || !f.pixels()[pixel].hit) return {};
-  const auto normal = normal_of(f, pixel);
-  std::array<std::uint32_t, 3> voxel{};
-  for (std::size_t i = 0; i < 3; ++i) {
-    // Half a voxel behind the face.
-    const double place = (static_cast<double>(f.where().points[pixel][i]) + 1) / 2 * cells - 0.5 * static_cast<double>(normal[i]);
-    voxel[i] = static_cast<std::uint32_t>(std::clamp(std::floor(place), 0.0, cells - 1.0));
-  }
-  return voxel;
+  if (f.where().voxels.empty() || !f.pixels()[pixel].hit) return {};
+  return f.where().voxels[pixel];
 }
 
 picture_map map_of(const frame& f, picture_kind kind) {

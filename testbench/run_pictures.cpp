@@ -14,7 +14,7 @@ run_pictures::run_pictures(const run_setup& s, const loaded_model& model, const 
 
 void run_pictures::finish(const run_figures& figures, bool places) {
   picture_.set_way(figures.results.way_cycles());
-  if (places) picture_.set_places(model_.places(jobs_, picture_));
+  if (places) picture_.set_places(model_.places(setup_, jobs_, picture_));
 
   const rtu_params& rtu = setup_.unit.rtu;
   const std::string name = std::filesystem::path(setup_.what.model.model).filename().string();

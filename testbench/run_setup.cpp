@@ -1,5 +1,6 @@
 #include "testbench/run_setup.h"
 
+#include <algorithm>
 #include <cmath>
 #include <set>
 
@@ -7,6 +8,7 @@
 #include <zlib.h>
 
 #include "modules/config/error.h"
+#include "modules/svo_core/svo_walk.h"
 #include "testbench/driver.h"
 #include "testbench/ray_list.h"
 
@@ -16,6 +18,39 @@ namespace {
 std::set<std::string> with_bench(std::set<std::string> names) {
   names.insert(surroundings::sections().begin(), surroundings::sections().end());
   return names;
+}
+
+/// Which cube of an octree a ray hits, as the core's way down tells: its result's t is too coarse for that.
+class cube_finder {
+ public:
+  cube_finder(const design& d, const std::vector<std::uint32_t>& octree)
+      : memory_(view_of(octree, d.memory_)), walk_(d.svo_core_params_with_format()), converter_(d.fixed_point, d.float_to_fixed) {}
+
+  svo_cube operator()(const job_packet& packet) const {
+    numeric::float_to_fixed_stats ignored;
+    traversal_job job;
+    convert(packet, converter_, ignored, job);
+    svo_cube cube;
+    walk_(job, memory_, cube);
+    return cube;
+  }
+
+ private:
+  word_view memory_;
+  svo_walk walk_;
+  numeric::float_to_fixed_converter converter_;
+};
+
+/// The finest voxel, one of `cells` an edge, of a cube that may hold several: then the one at, or next to, a point in world units.
+std::array<std::uint32_t, 3> finest_voxel(const svo_cube& cube, unsigned cells, const std::array<float, 3>& point) {
+  std::array<std::uint32_t, 3> voxel{};
+  const double size = static_cast<double>(cells) / std::ldexp(1.0, static_cast<int>(cube.levels));  // in finest voxels
+  for (unsigned axis = 0; axis < 3; ++axis) {
+    const double first = std::floor(size * cube.place[axis]);
+    const double at = std::floor((static_cast<double>(point[axis]) + 1) / 2 * cells);
+    voxel[axis] = static_cast<std::uint32_t>(std::clamp(at, first, first + std::max(size, 1.0) - 1));
+  }
+  return voxel;
 }
 
 std::uint32_t crc32_of(const void* data, std::size_t bytes, std::uint32_t before = 0) {
@@ -75,16 +110,16 @@ std::vector<job_packet> loaded_model::jobs(const run_setup& s, unsigned threads,
       throw input_error(s.what.model.rays, fmt::format("{} rays for a frame of {} x {}", rays.size(), f.width, f.height),
                         "frame.width times frame.height of them, or no --image");
     if (triangles_) return triangle_jobs(rays, triangles_->grid, driver.norm, driver.skip_misses, threads);
-    return list_jobs(rays, driver.last_sign_only, 0, threads);
+    return list_jobs(rays, slab_rules::of(driver, s.unit.fixed_point), 0, threads);
   }
-  if (!triangles_) return camera_jobs(s.what.view, s.what.picture, driver.last_sign_only, 0, threads);
+  if (!triangles_) return camera_jobs(s.what.view, s.what.picture, slab_rules::of(driver, s.unit.fixed_point), 0, threads);
   std::vector<job_packet> sent = triangle_jobs(s.what.view, s.what.picture, triangles_->grid, driver.norm, driver.skip_misses, threads);
   if (sent.empty())
     throw input_error("camera", "no ray meets the box of the model", "a camera that looks at it, or driver.skip_misses = false");
   return sent;
 }
 
-frame::places loaded_model::places(const std::vector<job_packet>& jobs, const frame& picture) const {
+frame::places loaded_model::places(const run_setup& s, const std::vector<job_packet>& jobs, const frame& picture) const {
   frame::places where;
   where.points.resize(picture.pixels().size());
   for (const job_packet& job : jobs) {
@@ -94,7 +129,12 @@ frame::places loaded_model::places(const std::vector<job_packet>& jobs, const fr
     const per_axis<float> point = triangles_ ? point_on_ray(job, triangles_->grid, distance) : point_on_ray(job, distance);
     if (std::isfinite(point[0] + point[1] + point[2])) where.points[job.pixel()] = point;
   }
-  if (!triangles_) where.cells = voxels_an_edge();
+  if (triangles_) return where;
+  where.cells = voxels_an_edge();
+  where.voxels.resize(where.points.size());
+  const cube_finder cubes(s.unit, octree_.words);
+  for (const job_packet& job : jobs)
+    if (picture.pixels()[job.pixel()].hit) where.voxels[job.pixel()] = finest_voxel(cubes(job), where.cells, where.points[job.pixel()]);
   return where;
 }
 

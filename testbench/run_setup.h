@@ -65,7 +65,7 @@ class loaded_model {
   /// Of voxel cores.
   unsigned voxels_an_edge() const { return 1u << describe(octree_, "model", limits_).levels; }
   /// Where the rays that hit met the model. Of a job id that is there twice the result's ray is not known: the last one stands for it.
-  frame::places places(const std::vector<job_packet>& jobs, const frame& picture) const;
+  frame::places places(const run_setup& s, const std::vector<job_packet>& jobs, const frame& picture) const;
 
  private:
   svo_limits limits_;

@@ -10,6 +10,8 @@ void rtu_params::describe(config::section& s) {
 
 void driver_params::describe(config::section& s) {
   s.erratum("last_sign_only", last_sign_only, "only the last negative direction component sets its bit of a", "each one does");
+  s.erratum("only_zero_replaced", only_zero_replaced, "only a direction component of 0 is replaced before the division",
+            "so is one by which the fixed-point format can't divide");
   s.choice("norm", norm, norm_words(), "directions are scaled so that their components' magnitudes, or squares, add up to 1");
   s.flag("skip_misses", skip_misses, "rays that miss the box of the scene are not sent");
 }
@@ -33,7 +35,7 @@ void design::describe(config::schema& s) {
   s.add("triangle_unit", triangle_unit_);
   s.add("result_manager", result_manager_);
   s.add("memory", memory_);
-  s.read_when({"driver.last_sign_only", "fixed_point", "float_to_fixed", "svo_core", "memory"}, [this] { return !has_triangles(); },
+  s.read_when({"driver.last_sign_only", "driver.only_zero_replaced", "fixed_point", "float_to_fixed", "svo_core", "memory"}, [this] { return !has_triangles(); },
               "rtu.core = svo");
   s.read_when({"driver.norm", "driver.skip_misses", "quantisation", "bih_builder", "bih_core", "t_div", "triangle_unit"},
               [this] { return has_triangles(); }, "rtu.core = bih");

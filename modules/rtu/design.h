@@ -39,6 +39,7 @@ struct driver_params {
   static config::word_list norm_words() { return {"one", "two"}; }
 
   bool last_sign_only = false;
+  bool only_zero_replaced = false;
   direction_norm norm = direction_norm::two;
   bool skip_misses = true;
 

@@ -25,9 +25,9 @@ unsigned smallest(const Int* v) {
   return v[0] <= v[1] && v[0] <= v[2] ? 0 : v[1] <= v[2] ? 1 : 2;
 }
 
-/// `Int` holds the fixed-point word; `Wrap` is the erratum tm_wrap, `Behind` the erratum negative_t.
-template <class Int, bool Wrap, bool Behind>
-svo_outcome walk(const traversal_job& job, const word_view& memory, const svo_core_params& p) {
+/// `Int` holds the fixed-point word; `Wrap` is the erratum tm_wrap, `Behind` the erratum negative_t. `Cube`: the cube that is hit is wanted.
+template <class Int, bool Wrap, bool Behind, bool Cube>
+svo_outcome walk(const traversal_job& job, const word_view& memory, const svo_core_params& p, svo_cube* cube) {
   using Unsigned = std::make_unsigned_t<Int>;
   const unsigned width = p.format.width();
   const auto middle = [width](Int a, Int b) {
@@ -156,6 +156,17 @@ eval: {
   }
 
 done:
+  if constexpr (Cube) {
+    if (o.hit) {
+      *cube = {};
+      const auto descend = [&](unsigned child_of_level) {
+        ++cube->levels;
+        for (unsigned i = 0; i < 3; ++i) cube->place[i] = cube->place[i] << 1 | ((child_of_level ^ a) >> i & 1);
+      };
+      for (const walk_frame<Int>* level = stack; level != f; ++level) descend(level->child);
+      descend(child);
+    }
+  }
   o.cost = cost;
   o.entry = entry;
   o.child = static_cast<std::uint8_t>(child);
@@ -163,15 +174,20 @@ done:
   return o;
 }
 
-template <class Int>
+template <class Int, bool Cube>
 auto choose(const svo_core_params& p) {
-  if (p.tm_wrap) return p.negative_t ? &walk<Int, true, true> : &walk<Int, true, false>;
-  return p.negative_t ? &walk<Int, false, true> : &walk<Int, false, false>;
+  if (p.tm_wrap) return p.negative_t ? &walk<Int, true, true, Cube> : &walk<Int, true, false, Cube>;
+  return p.negative_t ? &walk<Int, false, true, Cube> : &walk<Int, false, false, Cube>;
+}
+
+template <bool Cube>
+auto choose(const svo_core_params& p) {
+  return p.format.width() <= 32 ? choose<std::int32_t, Cube>(p) : choose<std::int64_t, Cube>(p);
 }
 
 }  // namespace
 
 svo_walk::svo_walk(const svo_core_params& p)
-    : params_(p), walk_(p.format.width() <= 32 ? choose<std::int32_t>(p) : choose<std::int64_t>(p)) {}
+    : params_(p), walk_(choose<false>(p)), walk_to_cube_(choose<true>(p)) {}
 
 }  // namespace rtusim

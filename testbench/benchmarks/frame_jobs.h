@@ -27,7 +27,7 @@ inline design as_built(unsigned cores = 16) {
 }
 
 inline const std::vector<job_packet>& frame_packets() {
-  static const std::vector<job_packet> packets = camera_jobs({}, {}, true, 0);
+  static const std::vector<job_packet> packets = camera_jobs({}, {}, {true}, 0);
   return packets;
 }
 

@@ -62,7 +62,7 @@ void convert_frame(benchmark::State& state) {
 BENCHMARK(convert_frame)->Name("float_to_fixed/six_a_ray")->Unit(benchmark::kMillisecond);
 
 void camera_frame(benchmark::State& state) {
-  for (auto _ : state) benchmark::DoNotOptimize(camera_jobs({}, {}, true, 0, static_cast<unsigned>(state.range(0))));
+  for (auto _ : state) benchmark::DoNotOptimize(camera_jobs({}, {}, {true}, 0, static_cast<unsigned>(state.range(0))));
   per_ray(state, frame_packets().size());
 }
 BENCHMARK(camera_frame)->Name("camera/threads")->Arg(1)->Arg(2)->Unit(benchmark::kMillisecond)->UseRealTime();

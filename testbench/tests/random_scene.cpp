@@ -13,7 +13,7 @@ job_packet random_ray(rng& random, std::uint32_t id) {
     origin[i] = uniform(random, -3, 3);
     direction[i] = random() % 16 == 0 ? 0 : uniform(random, -0.9, 0.9) - (random() % 4 != 0 ? origin[i] : 0);
   }
-  return traversal_parameters(origin, direction, id, random() % 2 == 0, 0);
+  return traversal_parameters(origin, direction, id, {random() % 2 == 0}, 0);
 }
 
 }  // namespace

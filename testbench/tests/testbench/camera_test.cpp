@@ -84,7 +84,7 @@ std::vector<job_packet> plain_camera_jobs(const camera::params& p, const frame::
       start /= start.w;
       end /= end.w;
       const glm::dvec4 d = end - start;
-      jobs.push_back(traversal_parameters({start.x, start.y, start.z}, {d.x, d.y, d.z}, y * f.width + x, last_sign_only, 0));
+      jobs.push_back(traversal_parameters({start.x, start.y, start.z}, {d.x, d.y, d.z}, y * f.width + x, {last_sign_only}, 0));
     }
   return jobs;
 }
@@ -107,15 +107,15 @@ TEST_CASE("camera: the thesis' frames, by the checksums of the golden job files"
           "cam_" + std::to_string(size.width) + 'x' + std::to_string(size.height) + (last_sign_only ? "_literal.bin" : "_fixed.bin");
       INFO(name);
       REQUIRE(crcs.count(name) == 1);
-      CHECK(crc_of(camera_jobs({}, size, last_sign_only, 0)) == crcs.at(name));
+      CHECK(crc_of(camera_jobs({}, size, {last_sign_only}, 0)) == crcs.at(name));
       ++compared;
     }
   CHECK(compared == crcs.size());
 }
 
 TEST_CASE("camera: the thesis' frames, word by word") {
-  CHECK(differing(camera_jobs({}, {64, 36}, true, 0), read_jobs(golden + "jobs_64x36_literal.bin.gz")) == 0);
-  CHECK(differing(camera_jobs({}, {320, 180}, true, 0), read_jobs(golden + "jobs_320x180_literal.bin.gz")) == 0);
+  CHECK(differing(camera_jobs({}, {64, 36}, {true}, 0), read_jobs(golden + "jobs_64x36_literal.bin.gz")) == 0);
+  CHECK(differing(camera_jobs({}, {320, 180}, {true}, 0), read_jobs(golden + "jobs_320x180_literal.bin.gz")) == 0);
 }
 
 TEST_CASE("camera: the same bits as one ray at a time with GLM") {
@@ -133,7 +133,7 @@ TEST_CASE("camera: the same bits as one ray at a time with GLM") {
   for (const row& r : table)
     for (const bool last_sign_only : {true, false}) {
       INFO(r.what);
-      const auto jobs = camera_jobs(r.p, r.f, last_sign_only, 0);
+      const auto jobs = camera_jobs(r.p, r.f, {last_sign_only}, 0);
       CHECK(differing(jobs, plain_camera_jobs(r.p, r.f, last_sign_only)) == 0);
       for (const job_packet& job : jobs)
         for (const std::uint32_t t : job.t0) REQUIRE((t & 0x7f800000u) != 0x7f800000u);  // neither NaN nor infinite
@@ -142,15 +142,15 @@ TEST_CASE("camera: the same bits as one ray at a time with GLM") {
 
 TEST_CASE("camera: rows shared by threads, or asked for in pieces, are the same rows") {
   const frame::params size{45, 31};
-  const auto whole = camera_jobs({}, size, false, 7);
-  for (const unsigned threads : {0u, 2u, 3u, 31u, 100u}) CHECK(differing(camera_jobs({}, size, false, 7, threads), whole) == 0);
+  const auto whole = camera_jobs({}, size, {}, 7);
+  for (const unsigned threads : {0u, 2u, 3u, 31u, 100u}) CHECK(differing(camera_jobs({}, size, {}, 7, threads), whole) == 0);
 
   std::vector<job_packet> pieces(whole.size());
   const camera eye({}, size);
   const auto take = [&](const ray_lanes& rays, unsigned count, std::uint32_t pixel) {
     for (unsigned i = 0; i < count; ++i)
       pieces[pixel + i] = traversal_parameters({rays.origin[0][i], rays.origin[1][i], rays.origin[2][i]},
-                                               {rays.direction[0][i], rays.direction[1][i], rays.direction[2][i]}, pixel + i, false, 7);
+                                               {rays.direction[0][i], rays.direction[1][i], rays.direction[2][i]}, pixel + i, {}, 7);
   };
   eye.rows(0, 10, take);
   eye.rows(10, 10, take);
@@ -174,8 +174,8 @@ TEST_CASE("camera: traversal parameters of single rays") {
       {{0, 0, 0}, {-7, -7, -7}, axis_x | axis_y | axis_z, axis_z},
   }};
   for (const row& r : table) {
-    const job_packet right = traversal_parameters(r.origin, r.direction, 5, false, 9);
-    const job_packet built = traversal_parameters(r.origin, r.direction, 5, true, 9);
+    const job_packet right = traversal_parameters(r.origin, r.direction, 5, {}, 9);
+    const job_packet built = traversal_parameters(r.origin, r.direction, 5, {true}, 9);
     CHECK(right.job_word == (5 | r.a));
     CHECK(built.job_word == (5 | r.a_last));
     CHECK(right.t0 == built.t0);
@@ -187,24 +187,24 @@ TEST_CASE("camera: traversal parameters of single rays") {
   }
 
   // Along +z from z = -2: 1 and 3 on that axis; the others, whose 0 of either sign becomes 0.0001, from -10000 to 10000.
-  const job_packet axial = traversal_parameters({0, 0, -2}, {0.0, -0.0, 5}, 0, false, 0);
+  const job_packet axial = traversal_parameters({0, 0, -2}, {0.0, -0.0, 5}, 0, {}, 0);
   CHECK(axial.job_word == 0);
   CHECK(axial.t0 == t_words{bits(-10000), bits(-10000), bits(1)});
   CHECK(axial.t1 == t_words{bits(10000), bits(10000), bits(3)});
 
   // Mirroring: along -x from x = 3, at y = 0.5.
-  const job_packet mirrored = traversal_parameters({3, 0.5, 0}, {-2, 0, 0}, 0, false, 0);
+  const job_packet mirrored = traversal_parameters({3, 0.5, 0}, {-2, 0, 0}, 0, {}, 0);
   CHECK(mirrored.job_word == axis_x);
   CHECK(mirrored.t0 == t_words{bits(2), bits(-15000), bits(-10000)});
   CHECK(mirrored.t1 == t_words{bits(4), bits(5000), bits(10000)});
 }
 
 TEST_CASE("camera: traversal parameters of rays that are none") {
-  CHECK(traversal_parameters({0, 0, 0}, {1, 1, 1}, 0xffffffffu, false, 0).job_word == job_id_mask);
-  const job_packet still = traversal_parameters({0, 0, 0}, {0, 0, 0}, 1, false, 0);
+  CHECK(traversal_parameters({0, 0, 0}, {1, 1, 1}, 0xffffffffu, {}, 0).job_word == job_id_mask);
+  const job_packet still = traversal_parameters({0, 0, 0}, {0, 0, 0}, 1, {}, 0);
   CHECK(still.job_word == 1);
   for (const std::uint32_t t : still.t0) CHECK((t & 0x7fffffffu) > 0x7f800000u);  // NaN
-  const job_packet remote = traversal_parameters({1e300, 0, 0}, {1, 1, 1}, 1, false, 0);
+  const job_packet remote = traversal_parameters({1e300, 0, 0}, {1, 1, 1}, 1, {}, 0);
   CHECK(remote.t0[0] == bits(-std::numeric_limits<float>::infinity()));
 }
 

@@ -290,15 +290,15 @@ TEST_CASE("pictures: cores in the colours of Okabe and Ito, then at half their b
   CHECK(pixels[17] == rgb{0, 0, 0});
 }
 
-TEST_CASE("pictures: which voxel was hit, by the point half a voxel behind its face") {
+TEST_CASE("pictures: which voxel was hit") {
   const scratch tmp;
   frame f({5, 1}, 16);
-  f.store(hit(0, 1, 0, -1, 9, 0), 20);  // faces -x: the voxel lies at greater x
+  f.store(hit(0, 1, 0, -1, 9, 0), 20);
   f.store(hit(1, 1, 0, 1, 9, 0), 20);
   f.store(hit(2, 1, 1, 1, 9, 0), 20);
-  f.store(hit(3, 1, 1, 1, 9, 0), 20);  // beside pixel 2, in the same voxel
+  f.store(hit(3, 1, 1, 1, 9, 0), 20);  // of the same voxel
   f.store(miss(4, 9, 0), 20);
-  f.set_places({{{0, 0.1f, 0.1f}, {0, 0.1f, 0.1f}, {-0.9f, 1, -0.9f}, {-0.6f, 1, -0.6f}, {}}, 4});
+  f.set_places({{{0, 0.1f, 0.1f}, {0, 0.1f, 0.1f}, {-0.9f, 1, -0.9f}, {-0.6f, 1, -0.6f}, {}}, {{2, 2, 2}, {1, 2, 2}, {0, 3, 0}, {0, 3, 0}, {}}, 4});
   write_picture(tmp.folder / "x.exr", f, picture_kind::layers);
   auto channels = exr_channels(tmp.folder / "x.exr");
   using values = std::vector<float>;

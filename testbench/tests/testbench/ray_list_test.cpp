@@ -110,9 +110,9 @@ TEST_CASE("ray list: packets for voxel cores are those of one ray at a time, at 
       std::vector<job_packet> expected;
       for (std::size_t i = 0; i < count; ++i) {
         const auto& [o, d] = rays[i];
-        expected.push_back(traversal_parameters({o[0], o[1], o[2]}, {d[0], d[1], d[2]}, static_cast<std::uint32_t>(i), last_sign_only, 5));
+        expected.push_back(traversal_parameters({o[0], o[1], o[2]}, {d[0], d[1], d[2]}, static_cast<std::uint32_t>(i), {last_sign_only}, 5));
       }
-      for (const unsigned threads : {1u, 2u, 100u}) CHECK(differing(list_jobs(list, last_sign_only, 5, threads), expected) == 0);
+      for (const unsigned threads : {1u, 2u, 100u}) CHECK(differing(list_jobs(list, {last_sign_only}, 5, threads), expected) == 0);
     }
 }
 
@@ -120,7 +120,7 @@ TEST_CASE("ray list: a camera's rays as a list are the camera's packets") {
   const frame::params size{64, 32};
   const camera::params p = exact_camera();
   const ray_list list(camera_rays(p, size));
-  CHECK(differing(list_jobs(list, false, 0), camera_jobs(p, size, false, 0)) == 0);
+  CHECK(differing(list_jobs(list, {}, 0), camera_jobs(p, size, {}, 0)) == 0);
   const grid_mapping grid{1000, {500, 400, 300}, {1000, 800, 600}, 10};
   for (const auto norm : {direction_norm::one, direction_norm::two})
     for (const bool skip_misses : {true, false}) {
@@ -134,7 +134,7 @@ TEST_CASE("driver: a point on a ray, from its packet") {
   const auto rays = camera_rays({}, {16, 9});
   const grid_mapping grid{1000, {500, 400, 300}, {1000, 800, 600}, 10};
   const ray_list list(rays);
-  const auto voxel_jobs = list_jobs(list, false, 0);
+  const auto voxel_jobs = list_jobs(list, {}, 0);
   const auto one = triangle_jobs(list, grid, direction_norm::one, false), two = triangle_jobs(list, grid, direction_norm::two, false);
   for (std::size_t i = 0; i < rays.size(); ++i) {
     double length = 0;

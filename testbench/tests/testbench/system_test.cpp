@@ -132,7 +132,7 @@ TEST_CASE("system: every line of the totals, in cycles and checksum", "[system]"
 
 TEST_CASE("system: any number of cores and any policy give the same set of results", "[system]") {
   const svo_image image = read_svo(golden + "models/dragon_32.svo");
-  const auto jobs = camera_jobs({}, {64, 36}, false, 0);
+  const auto jobs = camera_jobs({}, {64, 36}, {}, 0);
   const auto results_of = [](const std::string& log) {
     std::set<std::string> results;
     std::istringstream lines(log);

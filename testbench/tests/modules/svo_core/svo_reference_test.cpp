@@ -93,7 +93,7 @@ TEST_CASE("svo_walk: with all errata off a frame of the dragon is that of a bina
   const word_view words{image.words.data(), static_cast<std::uint32_t>(image.words.size()), (1u << 20) - 1};
   const svo_walk walk{svo_core_params{}};
   const frame::params size;
-  const std::vector<job_packet> packets = camera_jobs({}, size, false, 0);
+  const std::vector<job_packet> packets = camera_jobs({}, size, {}, 0);
   REQUIRE(packets.size() == 1280 * 720);
 
   std::size_t hits = 0, hit_differs = 0, voxel_differs = 0, axis_differs = 0;
