@@ -150,7 +150,7 @@ TEST_CASE("near axes: an orthographic orbit at right angles hits what an exact w
 }
 
 TEST_CASE("near axes: a symmetric model looks the same from all four sides", "[near_axis]") {
-  const voxel_grid grid = read_binvox(source + "/testbench/tests/cases/binvox_posts.binvox");
+  const voxel_grid grid = read_binvox(source + "/testbench/tests/cases/binvox_posts.binvox").grid;
   const svo_image image = build_svo(grid, "posts");
   const design d;
   for (const double azimuth : {0.0, 90.0, 180.0, 270.0, 360.0, -90.0, 720.0}) {
