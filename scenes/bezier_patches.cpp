@@ -1,48 +1,24 @@
 #include "scenes/bezier_patches.h"
 
-#include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <cstdint>
-#include <system_error>
 
 #include "modules/config/error.h"
 #include "scenes/quotation.h"
+#include "scenes/words.h"
 
 namespace rtusim {
 namespace {
 
-// The words of a text, with their lines.
-class word_reader {
- public:
-  word_reader(std::string_view text, const std::string& place) : text_(text), place_(place) {}
-
-  template <class Number>
-  Number next(const char* what) {
-    const std::string_view word = next_word();
-    if (word.empty()) throw input_error(here(), "the end of the file", what);
-    Number value{};
-    const auto [end, status] = std::from_chars(word.data(), word.data() + word.size(), value);
-    if (status != std::errc{} || end != word.data() + word.size())
-      throw input_error(here(), quotation(word), what);
-    return value;
-  }
-  std::string_view next_word() {
-    constexpr std::string_view blanks = " \t\r\n\v\f";
-    const std::size_t start = std::min(text_.find_first_not_of(blanks, at_), text_.size());
-    line_ += static_cast<std::uint64_t>(std::count(text_.begin() + static_cast<std::ptrdiff_t>(at_),
-                                                   text_.begin() + static_cast<std::ptrdiff_t>(start), '\n'));
-    at_ = std::min(text_.find_first_of(blanks, start), text_.size());
-    return text_.substr(start, at_ - start);
-  }
-  std::string here() const { return fmt::format("{}:{}", place_, line_); }
-
- private:
-  std::string_view text_;
-  const std::string& place_;
-  std::size_t at_ = 0;
-  std::uint64_t line_ = 1;
-};
+// The next number of a text; `what` it is.
+template <class Number>
+Number take(word_reader& words, const char* what) {
+  const std::string_view word = words.anywhere();
+  if (word.empty()) throw input_error(words.here(), "the end of the file", what);
+  const auto value = number_in<Number>(word);
+  if (!value) throw input_error(words.here(), quotation(word), what);
+  return *value;
+}
 
 // The point of weight `t` between a and b, `s` = 1 - t. Exact at both ends and where a and b are equal; the same when the ends are
 // exchanged along with the weights.
@@ -61,22 +37,22 @@ glm::dvec3 cubic(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, 
 }  // namespace
 
 std::vector<bezier_patch> parse_bpt(std::string_view text, const std::string& place) {
-  word_reader words(text, place);
-  const auto count = words.next<std::uint32_t>("the number of Bezier patches");
+  word_reader words(without_mark(text), place);
+  const auto count = take<std::uint32_t>(words, "the number of Bezier patches");
   std::vector<bezier_patch> patches;
   for (std::uint32_t n = 0; n < count; ++n) {
     for (int side = 0; side < 2; ++side) {
-      const auto degree = words.next<std::uint32_t>("the degrees of a patch, 3 3");
+      const auto degree = take<std::uint32_t>(words, "the degrees of a patch, 3 3");
       if (degree != 3) throw input_error(words.here(), fmt::format("a patch of degree {}", degree), "bicubic patches, 3 3");
     }
     bezier_patch& patch = patches.emplace_back();
     for (glm::dvec3& point : patch)
       for (int k = 0; k < 3; ++k) {
-        point[k] = words.next<double>("a coordinate of a control point");
+        point[k] = take<double>(words, "a coordinate of a control point");
         if (!std::isfinite(point[k])) throw input_error(words.here(), fmt::format("the coordinate {}", point[k]), "a finite number");
       }
   }
-  if (const std::string_view rest = words.next_word(); !rest.empty())
+  if (const std::string_view rest = words.anywhere(); !rest.empty())
     throw input_error(words.here(), quotation(rest), fmt::format("the end of the file after {} patches", count));
   return patches;
 }

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
-#include <exception>
-#include <map>
 #include <numeric>
 #include <string>
 #include <string_view>
@@ -12,29 +10,24 @@
 #include <tuple>
 #include <utility>
 
-#include <assimp/IOSystem.hpp>
-#include <assimp/Importer.hpp>
-#include <assimp/MemoryIOWrapper.h>
-#include <assimp/scene.h>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
-#include <glm/mat4x4.hpp>
 
 #include "modules/config/error.h"
 #include "modules/config/files.h"
 #include "scenes/bezier_patches.h"
-#include "scenes/enclosure.h"
-#include "scenes/gltf_filter.h"
-#include "scenes/mesh_file_checks.h"
+#include "scenes/gltf.h"
+#include "scenes/obj.h"
+#include "scenes/ply.h"
 #include "scenes/polygon.h"
 #include "scenes/quotation.h"
+#include "scenes/stl.h"
 
 namespace rtusim {
 namespace {
 
 constexpr std::uint64_t most_file_bytes = std::uint64_t{1} << 30;
 constexpr std::uint64_t most_triangles = 50'000'000;  // instances of a glTF's meshes multiply
-constexpr std::uint64_t most_vertices = 3 * most_triangles;
 constexpr double least_extent = 1e-60, most_extent = 1e60;  // squares, and scales to and from the root cube, stay in range
 
 // The name without `.gz`, and its ending in lower case.
@@ -56,122 +49,131 @@ struct mesh_name {
   }
 };
 
-// Lets the importer read the one file that we read and checked; of others only what a glTF keeps beside itself.
-class checked_files : public Assimp::IOSystem {
+// Reads files in the folder of another one, or below it.
+class folder_reader {
  public:
-  checked_files(std::string name, std::string bytes, bool others) : main_(std::move(name)), others_(others) {
-    allowance_.admit(bytes.size());
-    files_.emplace(main_, std::move(bytes));
-  }
-  bool Exists(const char* name) const override {
-    std::error_code unreadable;
-    return name == main_ || (others_ && std::filesystem::is_regular_file(name, unreadable));
-  }
-  char getOsSeparator() const override { return '/'; }
-  Assimp::IOStream* Open(const char* name, const char* mode) override {
-    if (std::string_view(mode).find('w') != std::string_view::npos || !Exists(name)) return nullptr;
-    auto found = files_.find(name);
-    if (found == files_.end()) {
-      try {
-        found = files_.emplace(name, config::read_file(name, most_file_bytes)).first;
-        allowance_.admit(found->second.size());
-      } catch (const input_error&) {
-        failure_ = std::current_exception();
-        return nullptr;
-      }
-    }
-    return new Assimp::MemoryIOStream(reinterpret_cast<const std::uint8_t*>(found->second.data()), found->second.size());
-  }
-  void Close(Assimp::IOStream* stream) override { delete stream; }
+  explicit folder_reader(const std::filesystem::path& file) : place_(file.string()), folder_(file.parent_path()) {}
 
-  // Why another file could not be read.
-  const std::exception_ptr& failure() const { return failure_; }
+  std::string operator()(const std::string& name, std::uint64_t most_bytes) const {
+    const auto refuse = [&](const char* found) {
+      throw input_error(place_, fmt::format("the buffer {}, {}", quotation(name), found), "a file beside the glTF or below its folder");
+    };
+    const auto is_control = [](unsigned char c) { return c < ' '; };
+    if (name.empty() || std::any_of(name.begin(), name.end(), is_control)) refuse("which is no file's name");
+    std::error_code missing;
+    const std::filesystem::path file = folder_ / name;
+    if (std::filesystem::path(name).is_absolute()) refuse("which is an absolute path");
+    const std::filesystem::path home = std::filesystem::canonical(folder_.empty() ? "." : folder_, missing);
+    const std::filesystem::path real = missing ? std::filesystem::path() : std::filesystem::canonical(file, missing);
+    if (missing) refuse("which is not there");
+    const std::filesystem::path from_home = real.lexically_relative(home);
+    if (from_home.empty() || *from_home.begin() == "..") refuse("which lies outside of its folder");
+    if (!std::filesystem::is_regular_file(real, missing)) refuse("which is no plain file");
+    return config::read_file(file, most_bytes);
+  }
 
  private:
-  std::string main_;
-  bool others_;
-  std::map<std::string, std::string> files_;
-  import_allowance allowance_;
-  std::exception_ptr failure_;
+  std::string place_;
+  std::filesystem::path folder_;
 };
 
-glm::dmat4 to_glm(const aiMatrix4x4& m) {
-  return {{m.a1, m.b1, m.c1, m.d1}, {m.a2, m.b2, m.c2, m.d2}, {m.a3, m.b3, m.c3, m.d3}, {m.a4, m.b4, m.c4, m.d4}};
+polygons read_polygons(const std::filesystem::path& file, const std::string& ending, std::string_view bytes, const std::string& place) {
+  if (ending == ".ply") return parse_ply(bytes, place);
+  if (ending == ".obj") return parse_obj(bytes, place);
+  if (ending == ".stl") return parse_stl(bytes, place);
+  return parse_gltf(bytes, ending == ".glb", place, most_triangles, folder_reader(file));
 }
 
-// Appends one part of a scene where a node puts it.
-void append(const aiMesh& part, const glm::dmat4& transform, mesh& m, const std::string& place) {
-  if (m.triangles.size() + part.mNumFaces > most_triangles || m.vertices.size() + part.mNumVertices > most_vertices)
-    throw input_error(place, "a mesh of more triangles", fmt::format("at most {}", most_triangles));
-  const auto first = static_cast<std::uint32_t>(m.vertices.size());
-  for (unsigned v = 0; v < part.mNumVertices; ++v) {
-    const aiVector3D& p = part.mVertices[v];
-    m.vertices.emplace_back(transform * glm::dvec4(p.x, p.y, p.z, 1.0));
-  }
+mesh triangles_of(polygons&& p, const std::string& place) {
+  std::uint64_t triangles = 0;
+  for (const std::uint32_t size : p.sizes) triangles += size < 3 ? 0 : size - 2;
+  if (triangles > most_triangles) throw input_error(place, "a mesh of more triangles", fmt::format("at most {}", most_triangles));
+  mesh m;
+  m.triangles.reserve(static_cast<std::size_t>(triangles));
+  m.faces.reserve(static_cast<std::size_t>(triangles));
   std::vector<std::uint32_t> corners;
-  for (unsigned f = 0; f < part.mNumFaces; ++f) {
-    const aiFace& face = part.mFaces[f];
-    corners.assign(face.mIndices, face.mIndices + face.mNumIndices);
-    for (std::uint32_t& c : corners) {
-      if (c >= part.mNumVertices)
-        throw input_error(place, fmt::format("face {} has vertex {}", f, c), fmt::format("one of the {} vertices", part.mNumVertices));
-      c += first;
-    }
-    if (corners.size() > most_concave_corners && !is_convex(m.vertices, corners))
+  auto next = p.corners.cbegin();
+  for (std::uint32_t f = 0; f < p.sizes.size(); ++f) {
+    corners.assign(next, next + p.sizes[f]);
+    next += p.sizes[f];
+    if (corners.size() > most_concave_corners && !is_convex(p.vertices, corners))
       throw input_error(place, fmt::format("face {} has {} corners and is not convex", f, corners.size()),
                         fmt::format("at most {}", most_concave_corners));
-    for (const auto& t : triangulate(m.vertices, corners)) m.triangles.push_back(t);
+    for (const auto& t : triangulate(p.vertices, corners)) {
+      m.triangles.push_back(t);
+      m.faces.push_back(f);
+    }
   }
-}
-
-mesh collect(const aiScene& scene, const std::string& place) {
-  struct visit { const aiNode* node; glm::dmat4 transform; };
-  mesh m;
-  std::vector<visit> open{{scene.mRootNode, glm::dmat4(1.0)}};
-  while (!open.empty()) {
-    const visit at = open.back();
-    open.pop_back();
-    const glm::dmat4 transform = at.transform * to_glm(at.node->mTransformation);
-    for (unsigned i = 0; i < at.node->mNumMeshes; ++i) append(*scene.mMeshes[at.node->mMeshes[i]], transform, m, place);
-    for (unsigned i = at.node->mNumChildren; i-- > 0;) open.push_back({at.node->mChildren[i], transform});
-  }
+  m.vertices = std::move(p.vertices);
   return m;
 }
 
-mesh import_mesh(const mesh_name& name, std::string bytes, const std::string& place) {
-  const bool others = name.ending == ".gltf";
-  auto* const files = new checked_files(name.path.string(), std::move(bytes), others);
-  Assimp::Importer importer;
-  importer.SetIOHandler(files);  // which owns it
-  const auto fail = [&](const std::string& reason) {
-    if (files->failure()) std::rethrow_exception(files->failure());
-    throw input_error(place, printable(reason, 200), "a sound " + name.ending.substr(1) + " mesh");
-  };
-  try {
-    const aiScene* const scene = importer.ReadFile(name.path.string(), 0);
-    if (scene == nullptr) fail(importer.GetErrorString());
-    return collect(*scene, place);
-  } catch (const input_error&) {
-    throw;
-  } catch (const std::exception& e) {
-    fail(e.what());
-  }
-  return {};
+void check_finite(const std::vector<glm::dvec3>& vertices, const std::string& place) {
+  for (std::size_t v = 0; v < vertices.size(); ++v)
+    for (int k = 0; k < 3; ++k)
+      if (!std::isfinite(vertices[v][k]))
+        throw input_error(place, fmt::format("vertex {} has the coordinate {}", v, vertices[v][k]), "finite coordinates");
 }
 
-// Makes equal vertices one, each in the place of the first.
-void weld(mesh& m) {
-  const auto before = [](const glm::dvec3& a, const glm::dvec3& b) { return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z); };
-  std::vector<std::uint32_t> sorted(m.vertices.size()), kept(m.vertices.size());
+// What vertices are compared by: their coordinates in binary32, none finer than the last bit of the largest or than 2^-40 of the mesh's,
+// so that what is 0 but for rounding is 0.
+class binary32_place {
+ public:
+  explicit binary32_place(const bounding_box& box) {
+    const glm::dvec3 far = glm::max(glm::abs(box.lower), glm::abs(box.upper));
+    constexpr double most_extents = 256;
+    const double reach = std::max({far.x, far.y, far.z});
+    if (reach > most_extents * box.half_extent()) origin_ = box.centre();
+    finest_bit_ = std::ilogb(origin_ == glm::dvec3(0.0) ? reach : box.half_extent()) - 40;
+  }
+  glm::dvec3 operator()(const glm::dvec3& v) const {
+    const glm::dvec3 at = v - origin_, size = glm::abs(at);
+    const double largest = std::max({size.x, size.y, size.z});
+    if (!(largest > 0)) return glm::dvec3(0.0);
+    constexpr int fraction_bits = 23;
+    const int last_bit = std::max(std::ilogb(largest) - fraction_bits, finest_bit_);
+    glm::dvec3 rounded;
+    for (int k = 0; k < 3; ++k) rounded[k] = std::ldexp(std::nearbyint(std::ldexp(at[k], -last_bit)), last_bit);
+    return rounded;
+  }
+
+ private:
+  glm::dvec3 origin_{0.0};
+  int finest_bit_;
+};
+
+bool is_before(const glm::dvec3& a, const glm::dvec3& b) { return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z); }
+
+// For each of several points the first that is equal.
+std::vector<std::uint32_t> firsts(const std::vector<glm::dvec3>& points) {
+  std::vector<std::uint32_t> sorted(points.size()), first(points.size());
   std::iota(sorted.begin(), sorted.end(), 0U);
   std::sort(sorted.begin(), sorted.end(), [&](std::uint32_t a, std::uint32_t b) {
-    const glm::dvec3 &p = m.vertices[a], &q = m.vertices[b];
-    return before(p, q) || (p == q && a < b);
+    return is_before(points[a], points[b]) || (points[a] == points[b] && a < b);
   });
   for (std::size_t i = 0; i < sorted.size(); ++i) {
-    const bool again = i != 0 && m.vertices[sorted[i]] == m.vertices[sorted[i - 1]];
-    kept[sorted[i]] = again ? kept[sorted[i - 1]] : sorted[i];
+    const bool again = i != 0 && points[sorted[i]] == points[sorted[i - 1]];
+    first[sorted[i]] = again ? first[sorted[i - 1]] : sorted[i];
   }
+  return first;
+}
+
+// Makes vertices that agree one, each in the place of the first.
+void weld(mesh& m) {
+  const std::vector<std::uint32_t> same = firsts(m.vertices);
+  std::vector<glm::dvec3> rounded(m.vertices.size());
+  std::transform(m.vertices.begin(), m.vertices.end(), rounded.begin(), binary32_place(bounds(m)));
+  std::vector<std::uint32_t> kept = firsts(rounded);
+  // Where binary32 can't tell the ends of an edge apart, vertices must be equal to be one.
+  std::vector<bool> too_coarse(m.vertices.size());
+  for (const auto& t : m.triangles)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t a = t[k], b = t[(k + 1) % 3];
+      if (kept[a] == kept[b] && same[a] != same[b]) too_coarse[kept[a]] = true;
+    }
+  for (std::uint32_t v = 0; v < kept.size(); ++v)
+    if (too_coarse[kept[v]]) kept[v] = same[v];
+
   std::vector<std::uint32_t> moved(m.vertices.size());
   std::uint32_t size = 0;
   for (std::uint32_t v = 0; v < m.vertices.size(); ++v) {
@@ -187,6 +189,52 @@ void weld(mesh& m) {
 bool has_area(const mesh& m, const std::array<std::uint32_t, 3>& t) {
   const glm::dvec3 &a = m.vertices[t[0]], &b = m.vertices[t[1]], &c = m.vertices[t[2]];
   return glm::cross(b - a, c - a) != glm::dvec3(0.0);
+}
+
+void set_flat_apart(mesh& m) {
+  std::size_t kept = 0;
+  for (std::size_t n = 0; n < m.triangles.size(); ++n) {
+    if (!has_area(m, m.triangles[n])) {
+      m.flat_triangles.push_back(m.triangles[n]);
+      continue;
+    }
+    m.triangles[kept] = m.triangles[n];
+    m.faces[kept++] = m.face_of(n);
+  }
+  m.triangles.resize(kept);
+  m.faces.resize(kept);
+}
+
+// The edges whose triangles `is_fault` finds wrong; it is given how many there are, and how many more of them run one way than the other.
+template <class Fault>
+edge_faults find_edges(const mesh& m, Fault&& is_fault) {
+  // An edge by its lesser and its greater vertex; `way` is +1 where a triangle runs so and -1 where it runs back.
+  struct side {
+    std::uint32_t lesser, greater;
+    std::int32_t way;
+    std::uint32_t triangle;
+  };
+  std::vector<side> sides;
+  sides.reserve(3 * m.all_triangles());
+  for (std::uint32_t n = 0; n < m.all_triangles(); ++n)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t a = m.triangle(n)[k], b = m.triangle(n)[(k + 1) % 3];
+      if (a != b) sides.push_back({std::min(a, b), std::max(a, b), a < b ? 1 : -1, n});
+    }
+  const auto key = [](const side& s) { return std::tie(s.lesser, s.greater, s.triangle); };
+  std::sort(sides.begin(), sides.end(), [&](const side& a, const side& b) { return key(a) < key(b); });
+  edge_faults found;
+  const side* first = nullptr;
+  for (std::size_t i = 0, next = 0; i < sides.size(); i = next) {
+    std::int64_t balance = 0;
+    for (next = i; next < sides.size() && sides[next].lesser == sides[i].lesser && sides[next].greater == sides[i].greater; ++next)
+      balance += sides[next].way;
+    if (!is_fault(next - i, balance)) continue;
+    ++found.count;
+    if (first == nullptr || sides[i].triangle < first->triangle) first = &sides[i];
+  }
+  if (first != nullptr) found.first = {m.vertices[first->lesser], m.vertices[first->greater]};
+  return found;
 }
 
 }  // namespace
@@ -218,34 +266,12 @@ void turn_up(mesh& m, unsigned axis, bool negative) {
   }
 }
 
-open_edges find_open_edges(const mesh& m) {
-  // An edge by its lesser and its greater vertex; `way` is +1 where a triangle runs so and -1 where it runs back.
-  struct side {
-    std::uint32_t lesser, greater;
-    std::int32_t way;
-    std::uint32_t triangle;
-  };
-  std::vector<side> sides;
-  sides.reserve(3 * m.triangles.size());
-  for (std::uint32_t n = 0; n < m.triangles.size(); ++n)
-    for (std::size_t k = 0; k < 3; ++k) {
-      const std::uint32_t a = m.triangles[n][k], b = m.triangles[n][(k + 1) % 3];
-      if (a != b) sides.push_back({std::min(a, b), std::max(a, b), a < b ? 1 : -1, n});
-    }
-  const auto key = [](const side& s) { return std::tie(s.lesser, s.greater, s.triangle); };
-  std::sort(sides.begin(), sides.end(), [&](const side& a, const side& b) { return key(a) < key(b); });
-  open_edges found;
-  const side* first = nullptr;
-  for (std::size_t i = 0, next = 0; i < sides.size(); i = next) {
-    std::int64_t balance = 0;
-    for (next = i; next < sides.size() && sides[next].lesser == sides[i].lesser && sides[next].greater == sides[i].greater; ++next)
-      balance += sides[next].way;
-    if (balance == 0) continue;
-    ++found.count;
-    if (first == nullptr || sides[i].triangle < first->triangle) first = &sides[i];
-  }
-  if (first != nullptr) found.first = {m.vertices[first->lesser], m.vertices[first->greater]};
-  return found;
+edge_faults find_open_edges(const mesh& m) {
+  return find_edges(m, [](std::size_t triangles, std::int64_t) { return triangles % 2 != 0; });
+}
+
+edge_faults find_turned_edges(const mesh& m) {
+  return find_edges(m, [](std::size_t triangles, std::int64_t balance) { return triangles % 2 == 0 && balance != 0; });
 }
 
 mesh read_mesh(const std::filesystem::path& file, unsigned patch_quads) {
@@ -257,28 +283,25 @@ mesh read_mesh(const std::filesystem::path& file, unsigned patch_quads) {
                       ".ply, .obj, .stl, .gltf, .glb or .bpt, or one of these and .gz");
   std::string bytes = config::read_file(file, most_file_bytes);
   if (bytes.empty()) throw input_error(place, "an empty file", "a mesh");
-  if (name.ending == ".ply") check_ply(bytes, place);
-  if (name.ending == ".obj") check_obj(bytes, place);
-  if (name.ending == ".stl") check_stl(bytes, place);
-  if (name.ending == ".gltf" || name.ending == ".glb") bytes = filter_gltf(bytes, name.ending == ".glb", place, most_vertices);
   mesh m;
-  if (name.ending == ".bpt")
+  if (name.ending == ".bpt") {
     m = tessellate(parse_bpt(bytes, place), patch_quads);
-  else
-    m = enclosed(place, [&] { return import_mesh(name, std::move(bytes), place); });
-
-  for (std::size_t v = 0; v < m.vertices.size(); ++v)
-    for (int k = 0; k < 3; ++k)
-      if (!std::isfinite(m.vertices[v][k]))
-        throw input_error(place, fmt::format("vertex {} has the coordinate {}", v, m.vertices[v][k]), "finite coordinates");
+    m.faces.resize(m.triangles.size());
+    std::iota(m.faces.begin(), m.faces.end(), 0U);
+    check_finite(m.vertices, place);
+  } else {
+    polygons p = read_polygons(file, name.ending, bytes, place);
+    std::string().swap(bytes);
+    check_finite(p.vertices, place);
+    m = triangles_of(std::move(p), place);
+  }
   if (m.triangles.empty()) throw input_error(place, "no faces", "a mesh of triangles or polygons");
   const double extent = bounds(m).half_extent();
   if (extent == 0) throw input_error(place, "a mesh without extent", "vertices at different places");
   if (extent < least_extent || extent > most_extent)
     throw input_error(place, fmt::format("a half extent of {}", extent), fmt::format("{} to {}", least_extent, most_extent));
   weld(m);
-  m.triangles.erase(std::remove_if(m.triangles.begin(), m.triangles.end(), [&](const auto& t) { return !has_area(m, t); }),
-                    m.triangles.end());
+  set_flat_apart(m);
   if (m.triangles.empty()) throw input_error(place, "no face has an area", "a mesh of triangles or polygons");
   return m;
 }

@@ -59,18 +59,21 @@ struct side {
 
 std::vector<side> sides_by_edge(const mesh& m) {
   std::vector<side> sides;
-  sides.reserve(3 * m.triangles.size());
-  for (std::uint32_t n = 0; n < m.triangles.size(); ++n)
+  sides.reserve(3 * m.all_triangles());
+  for (std::uint32_t n = 0; n < m.all_triangles(); ++n) {
+    const auto& t = m.triangle(n);
+    if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) continue;  // an edge there and back
     for (std::size_t k = 0; k < 3; ++k) {
-      const std::uint32_t a = m.triangles[n][k], b = m.triangles[n][(k + 1) % 3];
-      if (a != b) sides.push_back({std::min(a, b), std::max(a, b), n, a < b});
+      const std::uint32_t a = t[k], b = t[(k + 1) % 3];
+      sides.push_back({std::min(a, b), std::max(a, b), n, a < b});
     }
+  }
   std::sort(sides.begin(), sides.end(), [](const side& a, const side& b) { return a.edge() < b.edge(); });
   return sides;
 }
 
 turned_sets sets_of(const mesh& m) {
-  turned_sets sets(m.triangles.size());
+  turned_sets sets(m.all_triangles());
   const std::vector<side> sides = sides_by_edge(m);
   for (std::size_t i = 0, next = 0; i < sides.size(); i = next) {
     while (next < sides.size() && sides[next].edge() == sides[i].edge()) ++next;
@@ -85,23 +88,23 @@ std::uint64_t turn_alike(mesh& m) {
   turned_sets sets = sets_of(m);
   // Of a set, by its first triangle: how many triangles are as it is, and how many are turned against it; six times their volume.
   struct balance { std::uint64_t alike = 0, turned = 0; double volume = 0; };
-  std::vector<balance> balances(m.triangles.size());
+  std::vector<balance> balances(m.all_triangles());
   const glm::dvec3 origin = bounds(m).centre();
-  for (std::uint32_t n = 0; n < m.triangles.size(); ++n) {
+  for (std::uint32_t n = 0; n < m.all_triangles(); ++n) {
     const auto [first, turned] = sets.find(n);
-    const auto corner = [&](std::size_t k) { return m.vertices[m.triangles[n][k]] - origin; };
+    const auto corner = [&](std::size_t k) { return m.vertices[m.triangle(n)[k]] - origin; };
     const double volume = glm::dot(corner(0), glm::cross(corner(1), corner(2)));
     balance& b = balances[first];
     ++(turned ? b.turned : b.alike);
     b.volume += turned ? -volume : volume;
   }
   std::uint64_t count = 0;
-  for (std::uint32_t n = 0; n < m.triangles.size(); ++n) {
+  for (std::uint32_t n = 0; n < m.all_triangles(); ++n) {
     const auto [first, turned] = sets.find(n);
     const balance& b = balances[first];
     const bool right_is_turned = b.turned > b.alike || (b.turned == b.alike && b.volume < 0);
     if (turned == right_is_turned) continue;
-    std::swap(m.triangles[n][1], m.triangles[n][2]);
+    std::swap(m.triangle(n)[1], m.triangle(n)[2]);
     ++count;
   }
   return count;

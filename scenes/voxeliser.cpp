@@ -139,16 +139,16 @@ constexpr std::int64_t centres_up_to(std::int64_t at) { return (at + voxel_edge 
 
 using grid_triangle = std::array<grid_point, 3>;
 
-// A mesh's triangles with their vertices on whole numbers.
+// A mesh's triangles, those without area too, with their vertices on whole numbers.
 class triangles_on_grid {
  public:
   triangles_on_grid(const mesh& m, const placement& place) : mesh_(m), place_(place) {}
 
-  std::size_t size() const { return mesh_.triangles.size(); }
+  std::size_t size() const { return mesh_.all_triangles(); }
   grid_triangle operator[](std::size_t n) const {
     grid_triangle t;
     for (std::size_t k = 0; k < 3; ++k) {
-      const glm::dvec3 p = glm::round(place_(mesh_.vertices[mesh_.triangles[n][k]]) * static_cast<double>(voxel_edge));
+      const glm::dvec3 p = glm::round(place_(mesh_.vertices[mesh_.triangle(n)[k]]) * static_cast<double>(voxel_edge));
       t[k] = {static_cast<std::int64_t>(p.x), static_cast<std::int64_t>(p.y), static_cast<std::int64_t>(p.z)};
     }
     return t;
@@ -309,11 +309,13 @@ voxel_grid voxelise_surface(const mesh& m, unsigned resolution, double fit, cons
 }
 
 voxel_grid voxelise_solid(const mesh& m, unsigned resolution, const std::string& place, double fit, const progress_handler& progress) {
-  if (const open_edges open = find_open_edges(m); open.count != 0) {
+  const auto refuse = [&](const edge_faults& edges, const char* what, const char* expected) {
+    if (edges.count == 0) return;
     const auto text = [](const glm::dvec3& v) { return fmt::format("({:.6g}, {:.6g}, {:.6g})", v.x, v.y, v.z); };
-    throw input_error(place, fmt::format("{} open edges, the first from {} to {}", open.count, text(open.first[0]), text(open.first[1])),
-                      "a closed mesh to fill, or surface voxels");
-  }
+    throw input_error(place, fmt::format("{} {}, the first from {} to {}", edges.count, what, text(edges.first[0]), text(edges.first[1])), expected);
+  };
+  refuse(find_open_edges(m), "open edges", "a closed mesh to fill, or surface voxels");
+  refuse(find_turned_edges(m), "edges whose faces run the same way", "a mesh with the same side of each face outside, or surface voxels");
   const placement where(m, resolution, fit);
   const triangles_on_grid triangles(m, where);
   const voxel_grid touched = surface(m, where, resolution, steps_counted(progress, m.triangles.size(), 0, 0.25));

@@ -27,8 +27,8 @@ voxel_grid voxelise_surface(const mesh& m, unsigned resolution, double fit = def
 ///
 /// The crossings are counted without rounding, on vertices at whole multiples of 2^-20 of a voxel, and along each of the three axes: all
 /// must agree. Two bits a voxel, 256 MB at 1024, and 17 MB. `place` names the mesh in errors.
-/// Errors: input_error for a mesh that is not closed (`find_open_edges`), which tells the number of its open edges and where the first
-/// lies.
+/// Errors: input_error for a mesh that is not closed (`find_open_edges`) or has faces turned (`find_turned_edges`), which tells the number
+/// of these edges and where the first lies.
 voxel_grid voxelise_solid(const mesh& m, unsigned resolution, const std::string& place, double fit = default_fit,
                           const progress_handler& progress = {});
 

@@ -52,7 +52,7 @@ class frame {
   struct surface {
     float distance = 0;                 ///< from the eye, in world units
     std::array<float, 3> normal{};      ///< of length 1, toward the eye; 0 on a miss
-    std::uint32_t triangle = 0;
+    std::uint32_t triangle = 0;         ///< the mesh's face, see `mesh::face_of`
   };
 
   /// `fraction_bits`: of the fixed-point t_hit in the results. With `surfaces` every pixel has one.

@@ -56,6 +56,12 @@ std::string binvox_text(const std::filesystem::path& file, const std::filesystem
   return text + fmt::format("; as an octree of {} levels, {} voxels an edge:\n", s.levels, std::uint64_t{1} << s.levels) + summary_text(s) + place;
 }
 
+// As few digits as tell a coordinate from its neighbours, in binary32 if it is of that.
+std::string shortest(double coordinate) {
+  const auto narrow = static_cast<float>(coordinate);
+  return double{narrow} == coordinate ? fmt::format("{}", narrow) : fmt::format("{}", coordinate);
+}
+
 std::string mesh_text(const std::filesystem::path& file, const std::filesystem::path& image) {
   const mesh m = read_mesh(file);
   const bounding_box box = bounds(m);
@@ -63,10 +69,13 @@ std::string mesh_text(const std::filesystem::path& file, const std::filesystem::
     const voxel_grid grid = voxelise_surface(m, mesh_picture_resolution);
     draw(image, grid, describe(build_svo(grid, file.string()), file.string(), widest_limits));
   }
-  return fmt::format(
-      "mesh\n{:>12} vertices\n{:>12} triangles\n{:>12} open edges\nx {:>12.6g} to {:.6g}\ny {:>12.6g} to {:.6g}\nz {:>12.6g} to {:.6g}\n",
-      m.vertices.size(), m.triangles.size(), find_open_edges(m).count, box.lower.x, box.upper.x, box.lower.y, box.upper.y, box.lower.z,
-      box.upper.z);
+  std::string text = fmt::format("mesh\n{:>12} vertices\n{:>12} triangles\n{:>12} open edges\n", m.vertices.size(), m.triangles.size(),
+                                 find_open_edges(m).count);
+  if (const std::uint64_t turned = find_turned_edges(m).count; turned != 0)
+    text += fmt::format("{:>12} edges whose faces run the same way: some are turned\n", turned);
+  if (!m.flat_triangles.empty()) text += fmt::format("{:>12} triangles without area besides\n", m.flat_triangles.size());
+  for (int k = 0; k < 3; ++k) text += fmt::format("{} {:>12} to {}\n", "xyz"[k], shortest(box.lower[k]), shortest(box.upper[k]));
+  return text;
 }
 
 }  // namespace

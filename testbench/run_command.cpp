@@ -116,7 +116,7 @@ void run(const run_options& o) {
   check_outputs(o);
 
   const bool triangles = s.unit.has_triangles();
-  const loaded_model model(s);  // forks: no thread before it
+  const loaded_model model(s);
   const picture_preparation pictures(!o.images.empty());
   std::vector<job_packet> jobs = o.jobs.empty() ? model.jobs(s, 2, !o.images.empty()) : read_jobs(o.jobs);
   if (!o.save_jobs.empty()) write_jobs(o.save_jobs, jobs);
@@ -128,7 +128,7 @@ void run(const run_options& o) {
   std::optional<run_pictures> shown;
   if (!o.images.empty()) shown.emplace(s, model, jobs, o.jobs.empty());
   std::optional<results_log> log;
-  if (!o.log.empty()) log.emplace(o.log, triangles);
+  if (!o.log.empty()) log.emplace(o.log, triangles ? &*model.triangles() : nullptr);
 
   const result_handler handler = [&](cycle c, const traversal_result& r, std::uint64_t latency_cycles) {
     if (shown) shown->store(r, latency_cycles);

@@ -46,6 +46,8 @@ triangle_model load_triangles(const std::filesystem::path& file, const quantisat
     const glm::dvec3 normal = glm::normalize(glm::cross(vec(corners[1]) - vec(corners[0]), vec(corners[2]) - vec(corners[0])));
     model.normals.push_back({static_cast<float>(normal.x), static_cast<float>(normal.y), static_cast<float>(normal.z)});
   }
+  model.faces.reserve(on_grid.source.size());
+  for (const std::uint32_t source : on_grid.source) model.faces.push_back(m.face_of(source));
   model.hierarchy = build_bih(boxes, leaf_triangles, address_bits, place);
   model.hierarchy.triangles = std::move(on_grid.triangles);
   model.hierarchy.corner = on_grid.box;
@@ -89,7 +91,7 @@ frame::surface triangle_surfaces::at(const job_packet& job, const traversal_resu
   const auto& n = model_.normals[r.triangle];
   const bool away = n[0] * direction.x + n[1] * direction.y + n[2] * direction.z > 0;
   for (std::size_t i = 0; i < 3; ++i) s.normal[i] = away ? -n[i] : n[i];
-  s.triangle = r.triangle;
+  s.triangle = model_.faces[r.triangle];
   return s;
 }
 

@@ -19,6 +19,7 @@ struct triangle_model {
   bih_memory hierarchy;
   grid_mapping grid;
   std::vector<std::array<float, 3>> normals;  ///< of each triangle of the hierarchy, of length 1, by the right hand
+  std::vector<std::uint32_t> faces;           ///< of each: the mesh's face that it is a part of, see `mesh::face_of`
   std::uint64_t dropped = 0;                  ///< triangles without area on the grid
   std::uint64_t clamped = 0;                  ///< triangles with an edge component beyond what m bits hold
 };
@@ -34,7 +35,7 @@ class triangle_surfaces {
   /// `distance_unit`: grid units that the last bit of a result's t is worth. Both must outlive this.
   triangle_surfaces(const triangle_model& model, const quantisation& q, std::int64_t distance_unit);
 
-  /// The distance of a hit from its ray's origin, in world units, and the normal, turned to where the ray came from.
+  /// The distance of a hit from its ray's origin, in world units, the normal, turned to where the ray came from, and the mesh's face.
   frame::surface at(const job_packet& job, const traversal_result& r) const;
 
  private:

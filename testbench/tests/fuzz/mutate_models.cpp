@@ -94,7 +94,7 @@ std::string obj(const mesh& m) {
   for (const auto& v : m.vertices) s += fmt::format("v {:.5f} {:.5f} {:.5f}\n", v.x, v.y, v.z);
   s += "vt 0 0\nvn 0 0 1\ng ring\nusemtl stone\ns 1\n";
   for (const auto& t : m.triangles) s += fmt::format("f {0}/1/1 {1}//1 {2}\n", t[0] + 1, t[1] + 1, t[2] + 1);
-  return s + "f -1 -2 -3 -4\nl 1 2\np 3\n";
+  return s + " f -1 -2 -3 \\\n -4 # a quad\nv .5 .5 .5 1 0 0 1\nl 1 2\np 3\n";
 }
 
 std::string text_stl(const mesh& m) {
@@ -205,6 +205,7 @@ std::string bytes_written(const std::function<void(const std::filesystem::path&)
 void read_as_mesh(const std::filesystem::path& file) {
   const mesh m = read_mesh(file);
   find_open_edges(m);
+  find_turned_edges(m);
   build_svo(voxelise_surface(m, 32), file.string());
 }
 
@@ -302,8 +303,8 @@ std::string mutant(const format& f, unsigned number) {
 
 // --- the runs ---
 
-enum class ending : std::uint8_t { accepted, refused, contained, faulty };
-constexpr std::size_t endings = 4;
+enum class ending : std::uint8_t { accepted, refused, faulty };
+constexpr std::size_t endings = 3;
 constexpr int first_status = 20;  // the sanitizers end with 1
 
 // In the child.
@@ -311,9 +312,8 @@ ending try_reading(const format& f, const std::filesystem::path& file) {
   try {
     f.read(file);
     return ending::accepted;
-  } catch (const input_error& e) {
-    return std::strstr(e.what(), "the importer ") != nullptr && std::strstr(e.what(), " on it") != nullptr ? ending::contained
-                                                                                                           : ending::refused;
+  } catch (const input_error&) {
+    return ending::refused;
   } catch (const std::exception& e) {
     fmt::print(stderr, "{}\n", e.what());
     return ending::faulty;
@@ -353,14 +353,13 @@ bool run_case(const format& f, unsigned number, const test::scratch_folder& fold
 int run(unsigned cases, const std::vector<std::string>& wanted) {
   bool good = true;
   const test::scratch_folder folder;
-  fmt::print("{:12}{:>8}{:>10}{:>9}{:>11}{:>8}{:>10}{:>8}\n", "format", "cases", "accepted", "refused", "contained", "faulty", "most s",
-             "MB");
+  fmt::print("{:12}{:>8}{:>10}{:>9}{:>8}{:>10}{:>8}\n", "format", "cases", "accepted", "refused", "faulty", "most s", "MB");
   for (const format& f : formats()) {
     if (!wanted.empty() && std::find(wanted.begin(), wanted.end(), f.name) == wanted.end()) continue;
     figures sum;
     for (unsigned n = 0; n < cases; ++n) good &= run_case(f, n, folder, sum);
-    fmt::print("{:12}{:>8}{:>10}{:>9}{:>11}{:>8}{:>10.2f}{:>8}\n", f.name, cases, sum.count[0], sum.count[1], sum.count[2], sum.count[3],
-               sum.seconds, sum.kilobytes / 1024);
+    fmt::print("{:12}{:>8}{:>10}{:>9}{:>8}{:>10.2f}{:>8}\n", f.name, cases, sum.count[0], sum.count[1], sum.count[2], sum.seconds,
+               sum.kilobytes / 1024);
     std::fflush(stdout);
     // Every fiftieth file is sound.
     good &= sum.count[0] >= cases / 50;

@@ -282,6 +282,7 @@ TEST_CASE("waveform: its channels and results are those of the statistics and of
 
 TEST_CASE("waveform: the channels and results of triangle cores are those of the statistics and of the log", "[waveform]") {
   runner r(teapot_jobs());
+  const std::vector<std::uint32_t> faces = load_triangles(teapot, {}, 8, 10, teapot_quads).faces;
   struct row { const char* architecture; unsigned cores; };
   for (const auto& [architecture, cores] : {row{"hanika2007_as_built", 1}, row{"hanika2007", 4}}) {
     CAPTURE(architecture, cores);
@@ -304,7 +305,7 @@ TEST_CASE("waveform: the channels and results of triangle cores are those of the
       CHECK(field("t") == shown("t_hit"));
       CHECK(field("u") == shown("u"));
       CHECK(field("v") == shown("v"));
-      CHECK(field("tri") == (field("hit") != 0 ? shown("triangle") : -1));
+      CHECK(field("tri") == (field("hit") != 0 ? std::int64_t{faces.at(static_cast<std::size_t>(shown("triangle")))} : -1));
       hits += field("hit");
       // From its dispatch on the ray has the core for as many cycles as it costs; in the last, and in no other, it is done.
       const std::string core = fmt::format("rtu.core_{}", field("core")), jobs = fmt::format("rtu.core_job_{}", field("core"));
