@@ -74,6 +74,20 @@ std::optional<accelerated_triangle> accelerate(const std::array<grid_point, 3>& 
   return a;
 }
 
+namespace {
+
+unsigned greatest_unclamped_shift(const std::vector<std::array<grid_point, 3>>& corners, quantisation q) {
+  q.edge_shift = quantisation::greatest_edge_shift;
+  for (const auto& triangle : corners)
+    for (bool clamped = true; clamped && q.edge_shift > 0; q.edge_shift -= clamped) {
+      clamped = false;
+      static_cast<void>(accelerate(triangle, q, clamped));
+    }
+  return q.edge_shift;
+}
+
+}  // namespace
+
 quantised_triangles quantise(const mesh& m, const quantisation& q, const std::string& place) {
   if (m.triangles.empty()) throw input_error(place, "no triangles", "a mesh of triangles");
   const bounding_box box = bounds(m);
@@ -85,17 +99,22 @@ quantised_triangles quantise(const mesh& m, const quantisation& q, const std::st
     if (result.box[i] == 0)
       throw input_error(place, fmt::format("a flat mesh: no extent along {} on a grid of 2^{}", "xyz"[i], q.n), "a box with a volume");
 
-  for (std::size_t number = 0; number < m.triangles.size(); ++number) {
-    std::array<grid_point, 3> corners;
-    for (unsigned i = 0; i < 3; ++i) corners[i] = result.grid.nearest(m.vertices[m.triangles[number][i]]);
+  std::vector<std::array<grid_point, 3>> corners(m.triangles.size());
+  for (std::size_t number = 0; number < corners.size(); ++number)
+    for (unsigned i = 0; i < 3; ++i) corners[number][i] = result.grid.nearest(m.vertices[m.triangles[number][i]]);
+  quantisation widths = q;
+  if (q.fit_edges) widths.edge_shift = greatest_unclamped_shift(corners, q);
+  result.edge_shift = widths.edge_shift;
+
+  for (std::size_t number = 0; number < corners.size(); ++number) {
     bool clamped = false;
-    const auto accelerated = accelerate(corners, q, clamped);
+    const auto accelerated = accelerate(corners[number], widths, clamped);
     if (!accelerated) {
       ++result.dropped;
       continue;
     }
     result.triangles.push_back(*accelerated);
-    result.corners.push_back(corners);
+    result.corners.push_back(corners[number]);
     result.source.push_back(static_cast<std::uint32_t>(number));
     result.clamped += clamped;
   }

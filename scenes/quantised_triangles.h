@@ -35,13 +35,14 @@ struct quantised_triangles {
   std::vector<std::uint32_t> source;               ///< of each: which triangle of the mesh it is
   std::uint64_t dropped = 0;                       ///< triangles without area on the grid
   std::uint64_t clamped = 0;                       ///< triangles with an edge component beyond what m bits hold
+  unsigned edge_shift = 0;                         ///< that of the quantisation, or what was chosen in its place
 };
 
 /// A triangle over corners from 0 to 2^n - 1, computed exactly and rounded once, to nearest, ties away from zero (Hanika 2007, sec. 2.1);
 /// nothing when it has no area. `clamped` is set when an edge component was clamped to +-(2^(m-1) - 1).
 std::optional<accelerated_triangle> accelerate(const std::array<grid_point, 3>& corners, const quantisation& q, bool& clamped);
 
-/// Puts a mesh on the grid. `place` names it in errors.
+/// Puts a mesh on the grid. `place` names it in errors. With `fit_edges` the edge shift is the greatest with which no edge is clamped, or 0.
 /// Errors: input_error for a mesh without triangles, one whose box has no thickness on the grid along an axis, and one whose
 /// triangles all lose their area.
 quantised_triangles quantise(const mesh& m, const quantisation& q, const std::string& place);

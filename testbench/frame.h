@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -30,6 +31,7 @@ class frame {
     float t_hit = 0;                    ///< ray parameter of the hit, in world units as directions have length 1
     std::uint32_t latency_cycles = 0;   ///< as told to `store`; the greatest number stands for all beyond it
     std::uint32_t cost = 0;             ///< clocks in all states of the core but IDLE and OUT
+    std::uint32_t sequence = 0;         ///< which job of the run it comes from
     std::uint16_t core = 0;
     std::int8_t normal_axis = no_axis;  ///< 0, 1, 2 or no_axis
     std::int8_t normal_sign = 0;        ///< +1 or -1 on that axis, 0 without one
@@ -39,7 +41,7 @@ class frame {
     /// Whether it has the result of a ray: a ray that was sent takes a cycle at least.
     bool traced() const { return arrived && latency_cycles != 0; }
   };
-  static_assert(sizeof(pixel) == 20);
+  static_assert(sizeof(pixel) == 24);
 
   /// Where the hits lie, for pictures that show more than the results' words.
   struct places {
@@ -60,34 +62,25 @@ class frame {
 
   /// Keeps what a triangle core's result shows, at the pixel that its job id names.
   void store(const traversal_result& r, std::uint64_t latency_cycles, const surface& s) {
-    if (!store(r, latency_cycles)) return;
-    pixels_[r.pixel()].t_hit = s.distance;
-    surfaces_[r.pixel()] = s;
+    const std::uint32_t index = r.pixel();
+    if (index >= pixels_.size())
+      ++strays_;
+    else if (keep(pixels_[index], r, latency_cycles, s.distance))
+      surfaces_[index] = s;
   }
   /// No ray is sent for the other pixels, as it would meet nothing: they are misses without cost.
   void leave_out_all_but(const std::vector<job_packet>& jobs);
 
-  /// Keeps a result at the pixel that its job id names; a second one for a pixel takes the first one's place.
-  /// False, and counted in `strays`, if the id lies outside the frame.
+  /// Keeps a result at the pixel that its job id names. Of several for a pixel it keeps the nearest hit, of equals that of
+  /// the earlier job (Espe 2019, sec. 5.3.4: a scene of several octrees). False if it is not kept; counted in `strays` if the id lies outside the frame.
   bool store(const traversal_result& r, std::uint64_t latency_cycles) {
     const std::uint32_t index = r.pixel();
     if (index >= pixels_.size()) {
       ++strays_;
       return false;
     }
-    pixel& p = pixels_[index];
-    arrived_ += !p.arrived;
-    p.t_hit = r.hit ? static_cast<float>(static_cast<double>(r.t_hit) * unit_) : 0.0f;
-    p.latency_cycles = static_cast<std::uint32_t>(std::min<std::uint64_t>(latency_cycles, ~std::uint32_t{0}));
-    p.cost = r.cost;
-    p.core = r.core;
-    p.normal_axis = r.hit ? r.normal_axis : no_axis;
-    p.normal_sign = r.hit ? r.normal_sign : std::int8_t{0};
-    p.hit = r.hit;
-    p.arrived = true;
-    return true;
+    return keep(pixels_[index], r, latency_cycles, r.hit ? static_cast<float>(static_cast<double>(r.t_hit) * unit_) : 0.0f);
   }
-
   /// `cycles`: of each ray's latency beside its cost in which it waits for nobody.
   void set_way(std::uint64_t cycles) { way_cycles_ = cycles; }
   /// Of a ray's latency, the cycles in which it waited: for a core, for the core's result buffer, for its turn to leave.
@@ -109,6 +102,21 @@ class frame {
   std::uint64_t strays() const { return strays_; }    ///< results whose id lies outside the frame
 
  private:
+  bool keep(pixel& p, const traversal_result& r, std::uint64_t latency_cycles, float distance) {
+    if (p.traced() && std::tuple(!r.hit, distance, r.sequence) >= std::tuple(!p.hit, p.t_hit, p.sequence)) return false;
+    arrived_ += !p.arrived;
+    p.t_hit = distance;
+    p.latency_cycles = static_cast<std::uint32_t>(std::min<std::uint64_t>(latency_cycles, ~std::uint32_t{0}));
+    p.cost = r.cost;
+    p.sequence = r.sequence;
+    p.core = r.core;
+    p.normal_axis = r.hit ? r.normal_axis : no_axis;
+    p.normal_sign = r.hit ? r.normal_sign : std::int8_t{0};
+    p.hit = r.hit;
+    p.arrived = true;
+    return true;
+  }
+
   unsigned width_;
   unsigned height_;
   double unit_;  // the worth of t_hit's last bit

@@ -81,10 +81,12 @@ std::string differences_of(const char* part, const json& a, const json& b) {
 void rerun(const rerun_options& o) {
   const json old = read_record(o.record);
   if (!o.statistics.empty()) config::check_writable(o.statistics);
-  const run_setup s(nlohmann::json::parse(old["parameters"].dump()), o.record.string());
+  run_setup s(nlohmann::json::parse(old["parameters"].dump()), o.record.string());
   const loaded_model model(s);
+  model.settle(s);
   const std::string job_file = old["inputs"].value("jobs", "");
-  const std::vector<job_packet> jobs = job_file.empty() ? model.jobs(s, 2, false) : read_jobs(job_file);
+  const sent_jobs sent = job_file.empty() ? model.jobs(s, 2, false) : model.jobs(read_jobs(job_file));
+  const std::vector<job_packet>& jobs = sent.packets;
 
   run_record record;
   record.inputs = inputs_of(s, model, jobs);
@@ -103,6 +105,7 @@ void rerun(const rerun_options& o) {
     sim.run();
     figures = sim.figures();
   }
+  figures.host = sent.host;
   config::report statistics;
   figures.describe(statistics);
   record.parameters = s.parameters.values();
@@ -117,7 +120,7 @@ void rerun(const rerun_options& o) {
     throw simulation_error(o.record.string() + ": run again, figures differ");
   }
   if (!o.quiet)
-    fmt::print("the same figures again: {} cycles, checksum {}\n", figures.results.last_result, shown(&record.statistics["checksum"]));
+    fmt::print("the same figures again: {} cycles, checksum {}\n", figures.results.total_cycles(), shown(&record.statistics["checksum"]));
 }
 
 std::string difference_text(const std::filesystem::path& a, const std::filesystem::path& b) {

@@ -100,7 +100,7 @@ traced trace(const run_options& o, const run_setup& s, const loaded_model& model
   }
   t.speed.run_seconds = seconds(wall_clock::now() - begin).count();
   t.speed.rays = jobs.size();
-  t.speed.cycles = t.figures.results.last_result + 1;
+  t.speed.cycles = t.figures.results.total_cycles();
   return t;
 }
 
@@ -115,10 +115,11 @@ void run(const run_options& o) {
   const auto window = window_of(o);
   check_outputs(o);
 
-  const bool triangles = s.unit.has_triangles();
   const loaded_model model(s);
   const picture_preparation pictures(!o.images.empty());
-  std::vector<job_packet> jobs = o.jobs.empty() ? model.jobs(s, 2, !o.images.empty()) : read_jobs(o.jobs);
+  model.settle(s);
+  sent_jobs sent = o.jobs.empty() ? model.jobs(s, 2, !o.images.empty()) : model.jobs(read_jobs(o.jobs));
+  std::vector<job_packet>& jobs = sent.packets;
   if (!o.save_jobs.empty()) write_jobs(o.save_jobs, jobs);
   run_record record;
   record.inputs = inputs_of(s, model, jobs);
@@ -128,13 +129,14 @@ void run(const run_options& o) {
   std::optional<run_pictures> shown;
   if (!o.images.empty()) shown.emplace(s, model, jobs, o.jobs.empty());
   std::optional<results_log> log;
-  if (!o.log.empty()) log.emplace(o.log, triangles ? &*model.triangles() : nullptr);
+  if (!o.log.empty()) log.emplace(o.log, model.triangles() ? &*model.triangles() : nullptr);
 
   const result_handler handler = [&](cycle c, const traversal_result& r, std::uint64_t latency_cycles) {
     if (shown) shown->store(r, latency_cycles);
     if (log) log->add(c, r);
   };
   traced run = trace(o, s, model, jobs, window, shown || log ? handler : result_handler());
+  run.figures.host = sent.host;
   if (shown && shown->picture().strays() != 0)
     throw input_error(o.jobs.string(),
                       fmt::format("{} job ids beyond the frame of {} x {}", shown->picture().strays(), shown->picture().width(),
@@ -157,12 +159,7 @@ void run(const run_options& o) {
   run.speed.describe(simulator);
   record.simulator = simulator.values();
   if (!o.statistics.empty()) write_record(o.statistics, record);
-  if (const auto c = run.figures.conversion(); c.overflows + c.nans != 0 && !(o.jobs.empty() && s.what.model.rays.empty()))
-    fmt::print(stderr, "rtusim: warning: {} parameters of the jobs lie beyond the fixed-point range, {} are no number\n", c.overflows,
-               c.nans);
-  if (triangles && model.triangles()->dropped + model.triangles()->clamped != 0)
-    fmt::print(stderr, "rtusim: warning: of the triangles {} lost their area on the grid, {} have edges beyond edge_shift and were clamped\n",
-               model.triangles()->dropped, model.triangles()->clamped);
+  for (const std::string& warning : run.figures.warnings()) fmt::print(stderr, "rtusim: warning: {}\n", warning);
   if (!o.quiet) fmt::print("{}", summary_text(record));
 }
 

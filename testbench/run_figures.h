@@ -13,6 +13,7 @@
 #include "modules/svo_core/svo_core.h"
 #include "modules/timing/channel.h"
 #include "testbench/histogram.h"
+#include "testbench/host_figures.h"
 #include "testbench/scoreboard.h"
 
 namespace rtusim {
@@ -20,6 +21,7 @@ namespace rtusim {
 /// All figures of a run that its inputs determine, however they were come by.
 struct run_figures {
   double clock_mhz = 0;
+  host_figures host;
   result_figures results;
   /// Of the job manager and the cores, of the kind that the design has.
   std::variant<job_manager::stats, triangle_job_manager::stats> jobs;
@@ -37,6 +39,9 @@ struct run_figures {
 
   /// Of the words of the jobs.
   numeric::float_to_fixed_stats conversion() const;
+
+  /// What was lost or changed on the way in, a sentence each, as a warning tells it.
+  std::vector<std::string> warnings() const;
 
   void describe(config::report& r) const;
 };

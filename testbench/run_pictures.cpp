@@ -21,7 +21,7 @@ void run_pictures::finish(const run_figures& figures, bool places) {
   const auto& triangles = model_.triangles();
   const std::string size = triangles ? fmt::format("{} triangles", grouped(triangles->hierarchy.triangles.size()))
                                      : fmt::format("{} voxels an edge", model_.voxels_an_edge());
-  const std::uint64_t cycles = figures.results.last_result + 1;
+  const std::uint64_t cycles = figures.results.total_cycles();
   text_ = {fmt::format("{}, {}", name, size),
            fmt::format("{} x {} pixels, {} rays traced by {} {} {} in {} cycles: {:.2f} ms at {} MHz", picture_.width(), picture_.height(),
                        grouped(figures.results.rays), rtu.cores, triangles ? "triangle" : "voxel", rtu.cores == 1 ? "core" : "cores",

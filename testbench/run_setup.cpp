@@ -101,40 +101,63 @@ loaded_model::loaded_model(const run_setup& s) : limits_{s.unit.memory_.address_
     octree_ = load_model(m.model, m.resolution, m.patch_quads, limits_);
 }
 
-std::vector<job_packet> loaded_model::jobs(const run_setup& s, unsigned threads, bool pictured) const {
+host_figures loaded_model::host() const {
+  host_figures h;
+  if (triangles_) h.triangles = {triangles_->losses, triangles_->edge_shift};
+  return h;
+}
+
+void loaded_model::settle(run_setup& s) const {
+  if (triangles_) s.unit.quantisation_.edge_shift = triangles_->edge_shift;
+}
+
+sent_jobs loaded_model::jobs(std::vector<job_packet> given) const {
+  sent_jobs sent{std::move(given), host()};
+  sent.host.duplicate_ids = duplicate_ids(sent.packets);
+  return sent;
+}
+
+sent_jobs loaded_model::jobs(const run_setup& s, unsigned threads, bool pictured) const {
   const driver_params& driver = s.unit.driver;
+  const frame::params& f = s.what.picture;
+  sent_jobs sent{{}, host()};
+  std::size_t rays = std::size_t{f.width} * f.height;
   if (!s.what.model.rays.empty()) {
-    const ray_list rays(s.what.model.rays);
-    const frame::params& f = s.what.picture;
-    if (pictured && rays.size() != std::size_t{f.width} * f.height)
-      throw input_error(s.what.model.rays, fmt::format("{} rays for a frame of {} x {}", rays.size(), f.width, f.height),
+    const ray_list list(s.what.model.rays);
+    if (pictured && list.size() != rays)
+      throw input_error(s.what.model.rays, fmt::format("{} rays for a frame of {} x {}", list.size(), f.width, f.height),
                         "frame.width times frame.height of them, or no --image");
-    if (triangles_) return triangle_jobs(rays, triangles_->grid, driver.norm, driver.skip_misses, threads);
-    return list_jobs(rays, slab_rules::of(driver, s.unit.fixed_point), 0, threads);
+    rays = list.size();
+    sent.packets = triangles_ ? triangle_jobs(list, triangles_->grid, driver.norm, driver.skip_misses, threads)
+                              : list_jobs(list, slab_rules::of(driver, s.unit.fixed_point), 0, threads, &sent.host.replaced_components);
+  } else if (triangles_) {
+    sent.packets = triangle_jobs(s.what.view, f, triangles_->grid, driver.norm, driver.skip_misses, threads);
+    if (sent.packets.empty())
+      throw input_error("camera", "no ray meets the box of the model", "a camera that looks at it, or driver.skip_misses = false");
+  } else {
+    sent.packets = camera_jobs(s.what.view, f, slab_rules::of(driver, s.unit.fixed_point), 0, threads, &sent.host.replaced_components);
   }
-  if (!triangles_) return camera_jobs(s.what.view, s.what.picture, slab_rules::of(driver, s.unit.fixed_point), 0, threads);
-  std::vector<job_packet> sent = triangle_jobs(s.what.view, s.what.picture, triangles_->grid, driver.norm, driver.skip_misses, threads);
-  if (sent.empty())
-    throw input_error("camera", "no ray meets the box of the model", "a camera that looks at it, or driver.skip_misses = false");
+  sent.host.unsent_rays = rays - sent.packets.size();
   return sent;
 }
 
 frame::places loaded_model::places(const run_setup& s, const std::vector<job_packet>& jobs, const frame& picture) const {
   frame::places where;
-  where.points.resize(picture.pixels().size());
-  for (const job_packet& job : jobs) {
-    const frame::pixel& p = picture.pixels()[job.pixel()];
-    if (!p.hit) continue;
-    const double distance = static_cast<double>(p.t_hit);
+  const std::vector<frame::pixel>& pixels = picture.pixels();
+  where.points.resize(pixels.size());
+  for (std::size_t i = 0; i < pixels.size(); ++i) {
+    if (!pixels[i].hit) continue;
+    const job_packet& job = jobs[pixels[i].sequence];
+    const double distance = static_cast<double>(pixels[i].t_hit);
     const per_axis<float> point = triangles_ ? point_on_ray(job, triangles_->grid, distance) : point_on_ray(job, distance);
-    if (std::isfinite(point[0] + point[1] + point[2])) where.points[job.pixel()] = point;
+    if (std::isfinite(point[0] + point[1] + point[2])) where.points[i] = point;
   }
   if (triangles_) return where;
   where.cells = voxels_an_edge();
-  where.voxels.resize(where.points.size());
+  where.voxels.resize(pixels.size());
   const cube_finder cubes(s.unit, octree_.words);
-  for (const job_packet& job : jobs)
-    if (picture.pixels()[job.pixel()].hit) where.voxels[job.pixel()] = finest_voxel(cubes(job), where.cells, where.points[job.pixel()]);
+  for (std::size_t i = 0; i < pixels.size(); ++i)
+    if (pixels[i].hit) where.voxels[i] = finest_voxel(cubes(jobs[pixels[i].sequence]), where.cells, where.points[i]);
   return where;
 }
 

@@ -13,6 +13,7 @@
 #include "modules/formats/svo_image.h"
 #include "modules/rtu/design.h"
 #include "modules/rtu/rtu.h"
+#include "testbench/host_figures.h"
 #include "testbench/scene.h"
 #include "testbench/simulation.h"
 #include "testbench/triangle_model.h"
@@ -60,14 +61,20 @@ class loaded_model {
 
   /// The jobs of the camera, or of a list of rays, as the driver sends them. `pictured`: each ray of a list needs a pixel.
   /// Errors: input_error for a camera that contradicts itself or sees nothing, a list that can't be used.
-  std::vector<job_packet> jobs(const run_setup& s, unsigned threads, bool pictured) const;
+  sent_jobs jobs(const run_setup& s, unsigned threads, bool pictured) const;
+  /// Those that someone else made.
+  sent_jobs jobs(std::vector<job_packet> given) const;
+  /// Puts into a design what it leaves to the model: `quantisation.edge_shift = "auto"`.
+  void settle(run_setup& s) const;
 
   /// Of voxel cores.
   unsigned voxels_an_edge() const { return 1u << describe(octree_, "model", limits_).levels; }
-  /// Where the rays that hit met the model. Of a job id that is there twice the result's ray is not known: the last one stands for it.
+  /// Where the rays that hit met the model.
   frame::places places(const run_setup& s, const std::vector<job_packet>& jobs, const frame& picture) const;
 
  private:
+  host_figures host() const;
+
   svo_limits limits_;
   svo_image octree_;
   std::optional<triangle_model> triangles_;

@@ -44,6 +44,9 @@ struct result_figures {
   /// Of `testbench/golden`: over job word, hit, cost, cycle and the t of hits, in the order of leaving.
   std::uint64_t checksum = 1469598103934665603u;
 
+  /// From the one that may accept the first job to the one in which the last result leaves.
+  std::uint64_t total_cycles() const { return rays == 0 ? 0 : last_result + 1; }
+
   /// Cycles of a ray's latency beside its cost in which it waits for nobody: the same for every ray.
   std::uint64_t way_cycles() const { return rays == 0 ? 0 : (waits.conversion_cycles + waits.traversal_cycles - cost.sum()) / rays; }
 

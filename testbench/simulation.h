@@ -59,8 +59,7 @@ class simulation {
   /// Errors: simulation_error when the watchdog ends it or a check fails; input_error for a window that the run does not reach.
   void run();
 
-  /// Cycle of the last result, as the papers count.
-  cycle total_cycles() const { return scoreboard_.figures().last_result; }
+  cycle total_cycles() const { return scoreboard_.figures().total_cycles(); }
   run_figures figures();
 
  private:

@@ -15,7 +15,7 @@ namespace rtusim {
 
 /// What is kept of a run: a versioned JSON file. All but `simulator` depends on the inputs alone.
 struct run_record {
-  static constexpr int version = 1;
+  static constexpr int version = 2;
 
   nlohmann::ordered_json inputs;
   nlohmann::ordered_json parameters;

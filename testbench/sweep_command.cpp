@@ -178,11 +178,12 @@ std::vector<task> tasks_of(const sweep_plan& plan) {
 
 /// What the points of one walk share: the model, the rays, and where replay holds their walks.
 struct shared_rays {
-  shared_rays(const run_setup& s, bool pictured) : model(s), jobs(model.jobs(s, 1, pictured)) {
+  shared_rays(const run_setup& s, bool pictured) : model(s), sent(model.jobs(s, 1, pictured)), jobs(sent.packets) {
     if (replay_obstacle(s.unit, s.bench).empty()) walked.emplace(walk_rays(s.unit, model.octree(), jobs, 1));
   }
   loaded_model model;
-  std::vector<job_packet> jobs;
+  sent_jobs sent;
+  const std::vector<job_packet>& jobs;
   std::optional<walked_rays> walked;
 };
 
@@ -190,6 +191,7 @@ struct shared_rays {
 void run_point(const sweep_plan& plan, const task& t, const shared_rays& shared, const results_folder& folder) {
   const auto begin = wall_clock::now();
   const auto s = plan.setup(*t.point);
+  shared.model.settle(*s);
   std::optional<run_pictures> shown;
   result_handler handler;
   if (!plan.images().empty()) {
@@ -210,8 +212,9 @@ void run_point(const sweep_plan& plan, const task& t, const shared_rays& shared,
     speed.pace = "skipping";
     speed.clock = sim.clock().stats();
   }
+  figures.host = shared.sent.host;
   speed.rays = shared.jobs.size();
-  speed.cycles = figures.results.last_result + 1;
+  speed.cycles = figures.results.total_cycles();
   speed.all_seconds = speed.run_seconds = std::chrono::duration<double>(wall_clock::now() - begin).count();
 
   run_record record;

@@ -24,7 +24,8 @@ constexpr std::uint64_t usual_limit = 10'000, greatest_limit = 1'000'000;
 const std::vector<std::string>& usual_record() {
   static const std::vector<std::string> keys{"total_cycles",         "rays",           "hits",    "cycles_per_ray", "rays_per_second",
                                              "frames_per_second",    "checksum",       "latency", "waits",          "channels.job",
-                                             "channels.pending_job", "channels.result"};
+                                             "channels.pending_job", "channels.result", "host",
+                                             "job_manager.float_to_fixed.overflows", "job_manager.float_to_fixed.nans"};
   return keys;
 }
 

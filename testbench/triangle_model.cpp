@@ -51,8 +51,8 @@ triangle_model load_triangles(const std::filesystem::path& file, const quantisat
   model.hierarchy = build_bih(boxes, leaf_triangles, address_bits, place);
   model.hierarchy.triangles = std::move(on_grid.triangles);
   model.hierarchy.corner = on_grid.box;
-  model.dropped = on_grid.dropped;
-  model.clamped = on_grid.clamped;
+  model.losses = {on_grid.dropped, on_grid.clamped};
+  model.edge_shift = on_grid.edge_shift;
 
   const bounding_box box = bounds(m);
   const double grid_units = on_grid.grid.units / on_grid.grid.side;  // a unit of the mesh

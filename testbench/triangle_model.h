@@ -10,6 +10,7 @@
 #include "modules/job_manager/ray_setup.h"
 #include "testbench/driver.h"
 #include "testbench/frame.h"
+#include "testbench/host_figures.h"
 
 namespace rtusim {
 
@@ -20,8 +21,8 @@ struct triangle_model {
   grid_mapping grid;
   std::vector<std::array<float, 3>> normals;  ///< of each triangle of the hierarchy, of length 1, by the right hand
   std::vector<std::uint32_t> faces;           ///< of each: the mesh's face that it is a part of, see `mesh::face_of`
-  std::uint64_t dropped = 0;                  ///< triangles without area on the grid
-  std::uint64_t clamped = 0;                  ///< triangles with an edge component beyond what m bits hold
+  triangle_losses losses;
+  unsigned edge_shift = 0;                    ///< with which its edges are quantised
 };
 
 /// Reads a mesh, puts it on the grid and builds its hierarchy. `patch_quads`: see `read_mesh`.

@@ -112,6 +112,8 @@ void bench_unit(const unit_request& asked) {
   for (const std::string& a : asked.assignments) parameters.set(a);
   d.benched = asked.name;
   parameters.check_read();
+  if (d.has_triangles() && d.quantisation_.fit_edges)
+    throw input_error("quantisation.edge_shift", "auto, but a unit that is alone has no mesh", "a number");
   config::check_writable(asked.files.out);
   struct entry {
     const char* name;

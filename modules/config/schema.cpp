@@ -125,7 +125,9 @@ std::string number_text(std::string_view noun, const range<T>& limits, const std
 /// What values a parameter takes: "a whole number from 1 to 1024 cores".
 std::string values_text(const parameter& p) {
   return std::visit(overloaded{
-      [&](const unsigned_slot& s) { return number_text("a whole number", s.limits, p.unit); },
+      [&](const unsigned_slot& s) {
+        return number_text("a whole number", s.limits, p.unit) + (s.is_word != nullptr ? fmt::format(" or {}", s.word) : "");
+      },
       [&](const flag_slot&) { return std::string("true or false"); },
       [&](const real_slot& s) { return number_text("a finite number", s.limits, p.unit); },
       [&](const text_slot&) { return std::string("a text in quotes"); },
@@ -136,7 +138,10 @@ std::string values_text(const parameter& p) {
 
 ordered_json value_of(const parameter& p) {
   return std::visit(overloaded{
-      [](const unsigned_slot& s) -> ordered_json { return s.get(s.at); },
+      [](const unsigned_slot& s) -> ordered_json {
+        if (s.is_word != nullptr && *s.is_word) return s.word;
+        return s.get(s.at);
+      },
       [](const choice_slot& s) -> ordered_json { return s.words.at(s.get()); },
       [](const auto& s) -> ordered_json { return *s.at; },
   }, p.slot);
@@ -169,9 +174,11 @@ bool is_plain_text(const ordered_json& value) {
 bool store(const parameter& p, const ordered_json& value) {
   return std::visit(overloaded{
       [&](const unsigned_slot& s) {
+        const bool is_word = s.is_word != nullptr && value.is_string() && value.get_ref<const std::string&>() == s.word;
         const auto v = whole_number(value);
-        if (!v || *v < s.limits.least || *v > s.limits.most) return false;
-        s.set(s.at, *v);
+        if (!is_word && (!v || *v < s.limits.least || *v > s.limits.most)) return false;
+        if (s.is_word != nullptr) *s.is_word = is_word;
+        if (!is_word) s.set(s.at, *v);
         return true;
       },
       [&](const flag_slot& s) {

@@ -32,7 +32,14 @@ struct choice_slot {
 };
 
 /// Where a parameter's value lives and what values it may take.
-struct unsigned_slot { std::uint64_t (*get)(const void*); void (*set)(void*, std::uint64_t); void* at; range<std::uint64_t> limits; };
+struct unsigned_slot {
+  std::uint64_t (*get)(const void*);
+  void (*set)(void*, std::uint64_t);
+  void* at;
+  range<std::uint64_t> limits;
+  std::string_view word;    ///< what may stand in place of a number: `auto`; empty: nothing may
+  bool* is_word = nullptr;  ///< whether it does
+};
 struct flag_slot { bool* at; };
 struct real_slot { double* at; range<double> limits; };
 struct text_slot { std::string* at; };
@@ -47,6 +54,15 @@ struct parameter {
   std::variant<unsigned_slot, flag_slot, real_slot, text_slot, vector_slot, choice_slot> slot;
   std::function<bool()> is_read;  ///< whether the design as it now stands reads this value; empty: always
   std::string read_when;          ///< the same in words: `source.valid = gap`
+
+  /// `word` may stand in place of the number, and then `is_word` is true. A number's only.
+  parameter& or_word(std::string_view word, bool& is_word, std::string_view its_meaning) {
+    auto& number = std::get<unsigned_slot>(slot);
+    number.word = word;
+    number.is_word = &is_word;
+    meaning += "; " + std::string(word) + ": " + std::string(its_meaning);
+    return *this;
+  }
 
   /// The value is read only while `condition` holds; `words` says when, for the error message and `explain`.
   parameter& when(std::function<bool()> condition, std::string words) {
@@ -77,7 +93,7 @@ class section {
     limits.most = std::min<std::uint64_t>(limits.most, std::numeric_limits<Unsigned>::max());
     return add(field, unit, meaning,
                unsigned_slot{[](const void* p) -> std::uint64_t { return *static_cast<const Unsigned*>(p); },
-                             [](void* p, std::uint64_t v) { *static_cast<Unsigned*>(p) = static_cast<Unsigned>(v); }, &at, limits});
+                             [](void* p, std::uint64_t v) { *static_cast<Unsigned*>(p) = static_cast<Unsigned>(v); }, &at, limits, {}, nullptr});
   }
   parameter& flag(std::string_view field, bool& at, std::string_view meaning) { return add(field, "", meaning, flag_slot{&at}); }
   parameter& real(std::string_view field, double& at, range<double> limits, std::string_view unit, std::string_view meaning) {

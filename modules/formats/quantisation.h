@@ -15,7 +15,9 @@ struct quantisation {
   unsigned edge_shift = 10;       ///< E: edges' 1.0 = 2^(m-1+E), so that they lie in (-2^-E, 2^-E)
   unsigned reciprocal_bits = 16;  ///< C: reciprocal directions have m + C bits, 1.0 = 2^C
   unsigned division_drop = 0;     ///< T: low bits dropped from numerator and denominator before the division
+  bool fit_edges = false;         ///< E is the host's choice as it puts a mesh on the grid, see `quantise`
 
+  static constexpr unsigned greatest_edge_shift = 20;
   std::int64_t greatest_coordinate() const { return (std::int64_t{1} << n) - 1; }
   std::int64_t greatest_direction() const { return (std::int64_t{1} << (m - 1)) - 1; }
 

@@ -119,10 +119,33 @@ TEST_CASE("frame: results find their pixels by the low 28 bits of the job word")
   CHECK_FALSE(f.store(miss(6, 2, 0), 1));
   CHECK_FALSE(f.store(miss(0xffffffffu, 2, 0), 1));
   CHECK(f.strays() == 2);
-  CHECK(f.store(miss(0, 7, 0), 1));
   CHECK(f.arrived() == 5);
-  CHECK(f.at(0, 0).cost == 7);
-  CHECK_FALSE(f.at(0, 0).hit);
+}
+
+TEST_CASE("frame: of several results for a pixel it keeps the nearest hit, of equals that of the earlier job") {
+  frame f({3, 2}, 16);
+  const auto result = [](bool is_hit, double t, std::uint32_t sequence) {
+    traversal_result r = is_hit ? hit(0, t, 0, 1, 10 + sequence, 0) : miss(0, 10 + sequence, 0);
+    r.sequence = sequence;
+    return r;
+  };
+  const auto kept = [&] { return f.at(0, 0).sequence; };
+  CHECK(f.store(result(false, 0, 4), 30));
+  CHECK(f.store(result(false, 0, 3), 30));
+  CHECK_FALSE(f.store(result(false, 0, 5), 30));
+  CHECK(kept() == 3);
+  CHECK(f.store(result(true, 2.5, 6), 30));
+  CHECK_FALSE(f.store(result(false, 0, 0), 30));
+  CHECK_FALSE(f.store(result(true, 2.75, 1), 30));
+  CHECK_FALSE(f.store(result(true, 2.5, 7), 30));
+  CHECK(kept() == 6);
+  CHECK(f.store(result(true, 2.5, 2), 30));
+  CHECK(f.store(result(true, 1.5, 9), 31));
+  CHECK(kept() == 9);
+  CHECK(f.at(0, 0).cost == 19);
+  CHECK(f.at(0, 0).t_hit == 1.5);
+  CHECK(f.at(0, 0).latency_cycles == 31);
+  CHECK(f.arrived() == 1);
 }
 
 TEST_CASE("frame: t_hit in world units at other precisions") {

@@ -65,7 +65,7 @@ TEST_CASE("places: every hit names a filled voxel, next to the point where it li
                            {"frame.width=96", "frame.height=54", "memory.address_bits=24", "svo_core.stack_depth=16", view},
                            source + "/testbench/golden/svo/models/" + model_file + ".svo"});
         const loaded_model model(s);
-        const auto jobs = model.jobs(s, 1, true);
+        const auto jobs = model.jobs(s, 1, true).packets;
         const frame picture = traced(s, model, jobs);
         const frame::places where = model.places(s, jobs, picture);
         CAPTURE(architecture, model_file, view, where.cells);
