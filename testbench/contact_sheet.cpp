@@ -73,10 +73,10 @@ class sheet {
     height_ = y;
   }
 
-  void save(const std::filesystem::path& file) const {
-    picture_file out(file, "png", png_spec(static_cast<unsigned>(width_), static_cast<unsigned>(height_)));
+  void save(const picture_target& target) const {
+    picture_file out(target, "png", png_spec(static_cast<unsigned>(width_), static_cast<unsigned>(height_)));
     out.rows(0, static_cast<unsigned>(height_), OIIO::TypeDesc::UINT8, canvas_.localpixels());
-    out.commit();
+    out.finish();
   }
 
  private:
@@ -198,6 +198,6 @@ class sheet {
 
 }  // namespace
 
-void write_sheet(const std::filesystem::path& file, const frame& picture, const picture_text& text) { sheet(picture, text).save(file); }
+void write_sheet(const picture_target& target, const frame& picture, const picture_text& text) { sheet(picture, text).save(target); }
 
 }  // namespace rtusim

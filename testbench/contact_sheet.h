@@ -1,14 +1,13 @@
 #pragma once
 
-#include <filesystem>
-
 #include "testbench/frame.h"
 #include "testbench/pictures.h"
+#include "testbench/rgb_picture.h"
 
 namespace rtusim {
 
 /// Writes nine maps of a frame side by side, each with a title, a sentence, and a legend.
 /// Errors: input_error when the file can't be written or the font is missing.
-void write_sheet(const std::filesystem::path& file, const frame& picture, const picture_text& text);
+void write_sheet(const picture_target& target, const frame& picture, const picture_text& text);
 
 }  // namespace rtusim

@@ -12,6 +12,7 @@
 #include "modules/config/endings.h"
 #include "modules/config/error.h"
 #include "modules/config/files.h"
+#include "modules/config/input_ledger.h"
 #include "modules/formats/svo_image.h"
 #include "scenes/binvox.h"
 #include "scenes/mesh.h"
@@ -117,10 +118,12 @@ std::string lost_text(const voxel_cube& cube) {
 
 std::string convert(const convert_options& o) {
   check_options(o);
-  config::check_writable(o.to);
+  config::check_writable_apart({o.to}, {o.from});
+  const config::input_ledger read;
   const progress_line line(!o.quiet);
   std::string told;
   const voxel_cube cube = load(o, line, told);
+  config::check_apart({o.to}, read.names());  // a mesh may have more files than one
   const std::uint64_t filled = cube.count();
   const double voxels = std::pow(cube.edge, 3);
   told += fmt::format("{} voxels an edge, {} filled ({:.3f} %)\n", cube.edge, filled, 100 * static_cast<double>(filled) / voxels);

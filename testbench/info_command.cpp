@@ -8,6 +8,7 @@
 #include "modules/config/endings.h"
 #include "modules/config/error.h"
 #include "modules/config/files.h"
+#include "modules/config/input_ledger.h"
 #include "modules/formats/svo_image.h"
 #include "scenes/binvox.h"
 #include "scenes/mesh.h"
@@ -63,7 +64,9 @@ std::string shortest(double coordinate) {
 }
 
 std::string mesh_text(const std::filesystem::path& file, const std::filesystem::path& image) {
+  const config::input_ledger read;
   const mesh m = read_mesh(file);
+  config::check_apart({image}, read.names());  // a mesh may have more files than one
   const bounding_box box = bounds(m);
   if (!image.empty()) {
     const voxel_grid grid = voxelise_surface(m, mesh_picture_resolution);
@@ -83,7 +86,7 @@ std::string mesh_text(const std::filesystem::path& file, const std::filesystem::
 std::string info_text(const std::filesystem::path& file, const std::filesystem::path& image) {
   if (!image.empty()) {
     if (config::ending_of(image) != ".png") throw input_error(image.string(), "no picture format that we write", "NAME.png");
-    config::check_writable(image);
+    config::check_writable_apart({image}, {file});
   }
   if (is_octree(file)) return octree_text(file, image);
   return is_binvox(file) ? binvox_text(file, image) : mesh_text(file, image);

@@ -1,6 +1,10 @@
+#include <fcntl.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <cerrno>
 #include <charconv>
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
@@ -8,7 +12,9 @@
 #include <new>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <system_error>
+#include <utility>
 #include <vector>
 
 #include <CLI/CLI.hpp>
@@ -16,7 +22,10 @@
 #include <systemc>
 
 #include "modules/config/error.h"
+#include "modules/config/files.h"
+#include "modules/config/printable.h"
 #include "modules/config/schema.h"
+#include "modules/config/temporary.h"
 #include "testbench/convert_command.h"
 #include "testbench/explain_command.h"
 #include "testbench/info_command.h"
@@ -33,12 +42,71 @@ constexpr int done = 0;
 constexpr int simulation_failed = 1;
 constexpr int bad_input = 2;
 
-/// An error of the user's or of the model's is one line.
-int report(const std::exception& e, int status) {
-  std::string text = e.what();
-  std::replace_if(text.begin(), text.end(), [](char c) { return (c >= '\0' && c < ' ') || c == '\x7f'; }, ' ');
-  fmt::print(stderr, "rtusim: {}\n", text);
+/// An error of the user's or of the model's is one line, also when there is no memory left.
+int report(std::string_view text, int status) noexcept {
+  constexpr std::string_view program = "rtusim: ";
+  static char line[1 << 13];
+  const std::size_t room = sizeof line - program.size() - 1;
+  char* end = std::copy(program.begin(), program.end(), line);
+  end = std::copy_n(text.begin(), std::min(text.size(), room), end);
+  config::make_printable(line, static_cast<std::size_t>(end - line));
+  *end++ = '\n';
+  for (const char* from = line; from != end;) {
+    const ssize_t n = ::write(STDERR_FILENO, from, static_cast<std::size_t>(end - from));
+    if (n < 0 && errno != EINTR) break;
+    from += std::max<ssize_t>(n, 0);
+  }
   return status;
+}
+
+/// Nobody reads standard output any more: the process ends as other programs do then, without a word, unless its parent ignores that.
+int end_with_pipe(const std::system_error& e) {
+  struct sigaction action {};
+  ::sigaction(SIGPIPE, nullptr, &action);
+  if (action.sa_handler != SIG_IGN) {
+    config::remove_temporaries();
+    std::signal(SIGPIPE, SIG_DFL);
+    std::raise(SIGPIPE);
+  }
+  return report(e.what(), bad_input);
+}
+
+/// Calls `work`, which gives the exit status; what it throws is told in one line.
+template <class Work>
+int told(Work&& work) {
+  try {
+    return work();
+  } catch (const input_error& e) {
+    return report(e.what(), bad_input);
+  } catch (const std::bad_alloc&) {
+    return report("out of memory", bad_input);
+  } catch (const std::system_error& e) {  // standard output on a full disk, no more threads
+    if (e.code() == std::errc::broken_pipe) return end_with_pipe(e);
+    if (e.code() == std::errc::not_enough_memory) return report("out of memory", bad_input);
+    return report(e.what(), bad_input);
+  } catch (const std::exception& e) {
+    return report(e.what(), simulation_failed);
+  }
+}
+
+/// An exception that came where none may pass, as a lack of memory can.
+[[noreturn]] void end_at_once() {
+  config::remove_temporaries();
+  const std::exception_ptr error = std::current_exception();
+  std::_Exit(error ? told([&error]() -> int { std::rethrow_exception(error); }) : simulation_failed);
+}
+
+/// Sees that files which are opened later don't take the number of a standard stream that is closed. What is written to standard output
+/// fails then, and is told.
+void open_standard_streams() {
+  const std::pair<int, int> streams[] = {{STDIN_FILENO, O_RDONLY}, {STDOUT_FILENO, O_RDONLY}, {STDERR_FILENO, O_WRONLY}};
+  for (const auto& [number, flags] : streams)
+    if (::fcntl(number, F_GETFD) < 0 && ::open("/dev/null", flags) != number) std::_Exit(bad_input);
+}
+
+/// Sees that all that was printed came to standard output.
+void finish_standard_output() {
+  if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) throw std::system_error(errno, std::generic_category(), "standard output");
 }
 
 /// An option that takes a whole number, in digits alone: CLI11 would wrap -3 and cut what is too large.
@@ -84,6 +152,7 @@ void add_run(CLI::App& app, run_options& o) {
   add_number(app, "--vcd-from", o.waveform_from, "CYCLE", "its first cycle");
   add_number(app, "--vcd-to", o.waveform_to, "CYCLE", "its last cycle");
   add_number(app, "--vcd-job", o.waveform_job, "ID", "or the id of the job that it follows");
+  app.add_flag("--vcd-all", o.waveform_all, "a waveform however large: of more than 500 MB it is refused without this");
   app.add_flag("--quiet", o.quiet, "no summary");
   app.footer("Example: rtusim run scenes/dragon.toml --arch testbench/architectures/espe2019.toml --set rtu.cores=8 --image dragon.png");
 }
@@ -202,7 +271,11 @@ int command_line(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
-    if (e.get_exit_code() == 0) return app.exit(e);
+    if (e.get_exit_code() == 0) {
+      app.exit(e);
+      finish_standard_output();
+      return done;
+    }
     throw usage_error(app, e);
   }
   if (*run_app) run(run_asked);
@@ -214,12 +287,12 @@ int command_line(int argc, char** argv) {
     fmt::print("{}", text.empty() ? "no difference\n" : text);
   }
   if (*convert_app) {
-    const std::string told = convert(convert_asked);
-    if (!convert_asked.quiet) fmt::print("{}", told);
+    const std::string text = convert(convert_asked);
+    if (!convert_asked.quiet) fmt::print(config::stream_beside({convert_asked.to}), "{}", text);
   }
-  if (*info_app) fmt::print("{}", info_text(info_file, info_image));
+  if (*info_app) fmt::print(config::stream_beside({info_image}), "{}", info_text(info_file, info_image));
   if (*explain_app) fmt::print("{}", explain_text(key));
-  if (std::fflush(stdout) != 0) throw std::system_error(errno, std::generic_category(), "standard output");
+  finish_standard_output();
   return done;
 }
 
@@ -227,20 +300,13 @@ int command_line(int argc, char** argv) {
 
 int sc_main(int argc, char* argv[]) {
   sc_core::sc_report_handler::set_actions(sc_core::SC_INFO, sc_core::SC_DO_NOTHING);
-  try {
-    return command_line(argc, argv);
-  } catch (const input_error& e) {
-    return report(e, bad_input);
-  } catch (const std::bad_alloc&) {
-    return report(std::runtime_error("out of memory"), bad_input);
-  } catch (const std::system_error& e) {  // standard output on a full disk, no more threads
-    return report(e, bad_input);
-  } catch (const std::exception& e) {
-    return report(e, simulation_failed);
-  }
+  return told([&] { return command_line(argc, argv); });
 }
 
 int main(int argc, char* argv[]) {
+  open_standard_streams();
+  config::remove_temporaries_on_signals();
+  std::set_terminate(end_at_once);
   // SystemC's banner would go before every output.
   setenv("SYSTEMC_DISABLE_COPYRIGHT_MESSAGE", "1", 1);
   return sc_core::sc_elab_and_sim(argc, argv);

@@ -2,46 +2,54 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <cstdio>
-#include <filesystem>
+#include <cstdint>
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 
-#include "modules/config/files.h"
 #include "testbench/frame.h"
+#include "testbench/rgb_picture.h"
 
 namespace rtusim {
 
-/// A picture being written: OpenImageIO writes beside the final place, and its complaints become input errors. It writes through
-/// a handle of ours, as left to itself it takes no notice when the last bytes of a PNG find the disk full.
+/// An open file for OpenImageIO, which left to itself takes no notice when the last bytes of a PNG find the disk full.
+class picture_sink : public OIIO::Filesystem::IOProxy {
+ public:
+  explicit picture_sink(const picture_target& target) : IOProxy(target.name, Write), descriptor_(target.descriptor) {}
+  const char* proxytype() const override { return "descriptor"; }
+  std::size_t write(const void* bytes, std::size_t count) override;
+  bool seek(std::int64_t offset) override;
+  /// The error of the first write that failed, as `errno` has it; 0: none did.
+  int failure() const { return failure_; }
+
+ private:
+  int descriptor_;
+  int failure_ = 0;
+};
+
+/// A picture that OpenImageIO writes into an open file; its complaints become input errors.
 class picture_file {
  public:
-  picture_file(const std::filesystem::path& file, const char* format, const OIIO::ImageSpec& spec);
+  picture_file(const picture_target& target, const char* format, const OIIO::ImageSpec& spec);
 
   void rows(unsigned first, unsigned past, OIIO::TypeDesc type, const void* data) {
     check(writer_->write_scanlines(static_cast<int>(first), static_cast<int>(past), 0, type, data));
   }
-  void commit();
+  /// Writes the end.
+  void finish();
 
  private:
-  struct closer {
-    void operator()(std::FILE* handle) const { std::fclose(handle); }
-  };
   void check(bool good) const {
     if (!good) fail(writer_->geterror());
   }
   [[noreturn]] void fail(std::string why) const;
 
-  // In this order: a writer that is given up still writes its end, and the file is removed last.
+  // In this order: a writer that is given up still writes its end.
   std::string name_;
-  config::output_file file_;
-  std::unique_ptr<std::FILE, closer> handle_;
-  std::optional<OIIO::Filesystem::IOFile> sink_;
+  picture_sink sink_;
   std::unique_ptr<OIIO::ImageOutput> writer_;
 };
 
@@ -60,7 +68,7 @@ void write_bands(picture_file& out, const frame& picture, std::size_t channels, 
     for (const std::size_t end = std::size_t{past} * picture.width(); pixel < end; ++pixel, to += channels) fill(pixel, to);
     out.rows(first, past, type, band.data());
   }
-  out.commit();
+  out.finish();
 }
 
 }  // namespace rtusim

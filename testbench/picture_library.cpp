@@ -3,6 +3,8 @@
 #include <dlfcn.h>
 
 #include <filesystem>
+#include <new>
+#include <string>
 
 #include "modules/config/error.h"
 
@@ -14,7 +16,12 @@ void* picture_function(const char* name) {
   const auto path = std::filesystem::read_symlink("/proc/self/exe").parent_path() / library_name;
   void* const library = dlopen(path.c_str(), RTLD_LAZY | RTLD_LOCAL);
   void* const function = library != nullptr ? dlsym(library, name) : nullptr;
-  if (function == nullptr) throw input_error(library_name, dlerror(), "it beside the program, as the build leaves it");
+  if (function == nullptr) {
+    const std::string why = dlerror();
+    for (const char* word : {"memory", "failed to map", "cannot allocate"})  // as the loader says it
+      if (why.find(word) != std::string::npos) throw std::bad_alloc();
+    throw input_error(library_name, why, "it beside the program, as the build leaves it");
+  }
   return function;
 }
 

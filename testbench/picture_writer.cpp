@@ -16,9 +16,9 @@
 namespace rtusim {
 namespace {
 
-void write_png(const std::filesystem::path& file, const frame& picture, picture_kind kind) {
+void write_png(const picture_target& target, const frame& picture, picture_kind kind) {
   const picture_map map = map_of(picture, kind);
-  picture_file out(file, "png", png_spec(picture.width(), picture.height(), scale_text(map)));
+  picture_file out(target, "png", png_spec(picture.width(), picture.height(), scale_text(map)));
   write_bands<std::uint8_t>(out, picture, 3, OIIO::TypeDesc::UINT8, [&](std::size_t pixel, std::uint8_t* to) {
     for (const double value : map.at(pixel)) *to++ = static_cast<std::uint8_t>(value * 255);
   });
@@ -78,7 +78,7 @@ std::vector<layer> layers_of(const frame& f) {
   return all;
 }
 
-void write_exr(const std::filesystem::path& file, const frame& picture) {
+void write_exr(const picture_target& target, const frame& picture) {
   const std::vector<layer> layers = layers_of(picture);
   std::vector<std::string> names;
   for (const layer& l : layers) names.insert(names.end(), l.channels.begin(), l.channels.end());
@@ -88,7 +88,7 @@ void write_exr(const std::filesystem::path& file, const frame& picture) {
   spec.attribute("oiio:ColorSpace", "Linear");
   spec.attribute("compression", "zip");
   spec.attribute("DateTime", "");  // left to itself, OpenImageIO puts the time of writing into the bytes
-  picture_file out(file, "openexr", spec);
+  picture_file out(target, "openexr", spec);
   write_bands<float>(out, picture, names.size(), OIIO::TypeDesc::FLOAT, [&](std::size_t pixel, float* to) {
     for (const layer& l : layers) {
       l.put(pixel, to);
@@ -101,12 +101,12 @@ void write_exr(const std::filesystem::path& file, const frame& picture) {
 
 }  // namespace rtusim
 
-extern "C" void rtusim_write_picture(const std::filesystem::path& file, const rtusim::frame& picture, rtusim::picture_kind kind,
+extern "C" void rtusim_write_picture(const rtusim::picture_target& target, const rtusim::frame& picture, rtusim::picture_kind kind,
                                      const rtusim::picture_text& text) {
   using namespace rtusim;
   switch (kind) {
-    case picture_kind::layers: return write_exr(file, picture);
-    case picture_kind::sheet: return write_sheet(file, picture, text);
-    default: return write_png(file, picture, kind);
+    case picture_kind::layers: return write_exr(target, picture);
+    case picture_kind::sheet: return write_sheet(target, picture, text);
+    default: return write_png(target, picture, kind);
   }
 }

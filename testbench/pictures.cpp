@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "modules/config/error.h"
+#include "modules/config/files.h"
 #include "testbench/picture_library.h"
 #include "testbench/picture_writer.h"
 
@@ -62,7 +63,10 @@ picture_preparation::~picture_preparation() {
 }
 
 void write_picture(const std::filesystem::path& file, const frame& picture, picture_kind kind, const picture_text& text) {
-  writer(std::launch::deferred).get()(file, picture, kind, text);
+  const picture_writer write = writer(std::launch::deferred).get();
+  config::output_file out(file);
+  write({file.string(), out.descriptor()}, picture, kind, text);
+  out.commit();
 }
 
 }  // namespace rtusim

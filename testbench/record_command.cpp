@@ -9,6 +9,8 @@
 
 #include "modules/config/error.h"
 #include "modules/config/files.h"
+#include "modules/config/input_ledger.h"
+#include "modules/config/printable.h"
 #include "testbench/job_file.h"
 #include "testbench/replay.h"
 #include "testbench/run_setup.h"
@@ -38,10 +40,10 @@ json read_record(const std::filesystem::path& file) {
 
 std::string shown(const json* value) {
   if (value == nullptr) return "-";
-  if (value->is_string()) return value->get<std::string>().empty() ? "\"\"" : value->get<std::string>();
+  if (value->is_string()) return value->get<std::string>().empty() ? "\"\"" : config::printable(value->get<std::string>());
   if (value->is_array() && value->size() > 8) return fmt::format("{} values", value->size());
   if (value->is_number_float()) return fmt::format("{:.6g}", value->get<double>());
-  return value->dump(-1, ' ', false, json::error_handler_t::replace);
+  return config::printable(value->dump(-1, ' ', false, json::error_handler_t::replace));
 }
 
 std::string change(const json* a, const json* b) {
@@ -62,7 +64,7 @@ std::string differences_of(const char* part, const json& a, const json& b) {
   for (const auto& [key, value] : left) in_left[key] = &value;
   std::string text;
   const auto row = [&](const std::string& key, const json* x, const json* y) {
-    text += fmt::format("  {:<44} {:>16}  {:>16}  {:>10}\n", key, shown(x), shown(y), change(x, y));
+    text += fmt::format("  {:<44} {:>16}  {:>16}  {:>10}\n", config::printable(key), shown(x), shown(y), change(x, y));
   };
   for (const auto& [key, value] : left) {
     const auto other = in_right.find(key);
@@ -80,13 +82,16 @@ std::string differences_of(const char* part, const json& a, const json& b) {
 
 void rerun(const rerun_options& o) {
   const json old = read_record(o.record);
-  if (!o.statistics.empty()) config::check_writable(o.statistics);
   run_setup s(nlohmann::json::parse(old["parameters"].dump()), o.record.string());
+  const std::string job_file = old["inputs"].value("jobs", "");
+  config::check_writable_apart({o.statistics}, {s.what.model.model, s.what.model.rays, job_file});
+  const config::input_ledger read;
   const loaded_model model(s);
   model.settle(s);
-  const std::string job_file = old["inputs"].value("jobs", "");
   const sent_jobs sent = job_file.empty() ? model.jobs(s, 2, false) : model.jobs(read_jobs(job_file));
   const std::vector<job_packet>& jobs = sent.packets;
+
+  config::check_apart({o.statistics}, read.names());  // a mesh may have more files than one
 
   run_record record;
   record.inputs = inputs_of(s, model, jobs);
@@ -116,11 +121,12 @@ void rerun(const rerun_options& o) {
   const json now{{"parameters", record.parameters}, {"statistics", record.statistics}};
   const std::string differences = differences_of("parameters", old, now) + differences_of("statistics", old, now);
   if (!differences.empty()) {
-    fmt::print("{}", differences);
+    fmt::print(config::stream_beside({o.statistics}), "{}", differences);
     throw simulation_error(o.record.string() + ": run again, figures differ");
   }
   if (!o.quiet)
-    fmt::print("the same figures again: {} cycles, checksum {}\n", figures.results.total_cycles(), shown(&record.statistics["checksum"]));
+    fmt::print(config::stream_beside({o.statistics}), "the same figures again: {} cycles, checksum {}\n", figures.results.total_cycles(),
+               shown(&record.statistics["checksum"]));
 }
 
 std::string difference_text(const std::filesystem::path& a, const std::filesystem::path& b) {

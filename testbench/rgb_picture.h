@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <string>
 #include <vector>
 
 namespace rtusim {
@@ -11,6 +12,12 @@ struct rgb_picture {
   unsigned width = 0;
   unsigned height = 0;
   std::vector<std::uint8_t> samples;  ///< 3 * width * height
+};
+
+/// An open file that a picture is written into, from where it stands.
+struct picture_target {
+  std::string name;  ///< for messages
+  int descriptor = -1;
 };
 
 /// Writes a PNG through OpenImageIO, which is loaded for it. The file appears under its name only when whole.

@@ -5,13 +5,13 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
-#include <set>
 #include <vector>
 
 #include <fmt/format.h>
 
 #include "modules/config/error.h"
 #include "modules/config/files.h"
+#include "modules/config/input_ledger.h"
 #include "testbench/job_file.h"
 #include "testbench/pictures.h"
 #include "testbench/replay.h"
@@ -20,6 +20,7 @@
 #include "testbench/run_setup.h"
 #include "testbench/simulation.h"
 #include "testbench/summary.h"
+#include "testbench/waveform_size.h"
 
 namespace rtusim {
 namespace {
@@ -29,8 +30,8 @@ using wall_clock = std::chrono::steady_clock;
 
 std::optional<waveform_window> window_of(const run_options& o) {
   if (o.waveform.empty()) {
-    if (o.waveform_from || o.waveform_to || o.waveform_job)
-      throw input_error("--vcd-from, --vcd-to, --vcd-job", "no --vcd", "--vcd OUT.vcd with it");
+    if (o.waveform_from || o.waveform_to || o.waveform_job || o.waveform_all)
+      throw input_error("--vcd-from, --vcd-to, --vcd-job, --vcd-all", "no --vcd", "--vcd OUT.vcd with it");
     return {};
   }
   waveform_window w;
@@ -45,18 +46,10 @@ std::optional<waveform_window> window_of(const run_options& o) {
   return w;
 }
 
-/// Sees before the run that each output can be written, and to a file of its own.
-void check_outputs(const run_options& o) {
+std::vector<std::filesystem::path> outputs_of(const run_options& o) {
   std::vector<std::filesystem::path> outputs{o.save_jobs, o.statistics, o.log, o.waveform};
   outputs.insert(outputs.end(), o.images.begin(), o.images.end());
-  std::set<std::filesystem::path> seen;
-  for (const auto& file : outputs) {
-    if (file.empty()) continue;
-    config::check_writable(file);
-    const bool is_new = !std::filesystem::exists(file) || std::filesystem::is_regular_file(file);
-    if (is_new && !seen.insert(std::filesystem::weakly_canonical(std::filesystem::absolute(file))).second)
-      throw input_error(file.string(), "two outputs of this name", "a file for each");
-  }
+  return outputs;
 }
 
 /// A line on the terminal that tells how far the run is; nothing in a pipe.
@@ -113,13 +106,17 @@ void run(const run_options& o) {
   std::vector<picture_kind> kinds;
   for (const auto& image : o.images) kinds.push_back(kind_of(image));
   const auto window = window_of(o);
-  check_outputs(o);
+  const auto outputs = outputs_of(o);
+  config::check_writable_apart(outputs, {o.scene, o.architecture, s.what.model.model, s.what.model.rays, o.jobs});
 
+  const config::input_ledger read;
   const loaded_model model(s);
   const picture_preparation pictures(!o.images.empty());
   model.settle(s);
   sent_jobs sent = o.jobs.empty() ? model.jobs(s, 2, !o.images.empty()) : model.jobs(read_jobs(o.jobs));
   std::vector<job_packet>& jobs = sent.packets;
+  config::check_apart(outputs, read.names());  // a mesh may have more files than one
+  if (window && o.how != run_pace::replay && !o.waveform_all) check_size(*window, s, model, jobs);
   if (!o.save_jobs.empty()) write_jobs(o.save_jobs, jobs);
   run_record record;
   record.inputs = inputs_of(s, model, jobs);
@@ -160,7 +157,7 @@ void run(const run_options& o) {
   record.simulator = simulator.values();
   if (!o.statistics.empty()) write_record(o.statistics, record);
   for (const std::string& warning : run.figures.warnings()) fmt::print(stderr, "rtusim: warning: {}\n", warning);
-  if (!o.quiet) fmt::print("{}", summary_text(record));
+  if (!o.quiet) fmt::print(config::stream_beside(outputs), "{}", summary_text(record));
 }
 
 }  // namespace rtusim

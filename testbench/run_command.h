@@ -31,6 +31,7 @@ struct run_options {
   std::optional<cycle> waveform_from;
   std::optional<cycle> waveform_to;
   std::optional<std::uint32_t> waveform_job;
+  bool waveform_all = false;  ///< however large it gets
   bool quiet = false;
 };
 

@@ -33,7 +33,7 @@ simulation::simulation(const design& d, const surroundings& s, const model_view&
   clock_.set_pace(p);
   clock_.set_watchdog(s.watchdog_cycles);
   if (window) {
-    waveform_ = std::make_unique<waveform>("waveform", window->file, d.packets());
+    waveform_ = std::make_unique<waveform>(window->file, d.packets());
     if (window->job_id)
       follow_job(*window->job_id);
     else

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "modules/config/files.h"
+#include "modules/config/printable.h"
 
 namespace rtusim {
 namespace {
@@ -66,7 +67,7 @@ std::string summary_text(const run_record& record) {
 
   const bool triangles = record.inputs.contains("model_triangles");
   line("{} {} cores at {} MHz, {} on {} {}", rtu["cores"].get<unsigned>(), rtu["core"].get<std::string>(), rtu["clock_mhz"].get<double>(),
-       record.inputs["model"].get<std::string>(), record.inputs[triangles ? "model_triangles" : "model_words"].get<std::uint64_t>(),
+       config::printable(record.inputs["model"].get<std::string>()), record.inputs[triangles ? "model_triangles" : "model_words"].get<std::uint64_t>(),
        triangles ? "triangles" : "words");
   line("{:>14} cycles   {} rays, {} hits ({:.1f} %)", s["total_cycles"].get<std::uint64_t>(), s["rays"].get<std::uint64_t>(),
        s["hits"].get<std::uint64_t>(), share(s["hits"], s["rays"].get<double>()));

@@ -114,7 +114,11 @@ void bench_unit(const unit_request& asked) {
   parameters.check_read();
   if (d.has_triangles() && d.quantisation_.fit_edges)
     throw input_error("quantisation.edge_shift", "auto, but a unit that is alone has no mesh", "a number");
-  config::check_writable(asked.files.out);
+  std::vector<std::filesystem::path> inputs{asked.files.jobs, asked.files.model, asked.architecture};
+  std::error_code no_folder;
+  for (std::filesystem::directory_iterator i(asked.files.memory, no_folder), end; !no_folder && i != end; i.increment(no_folder))
+    inputs.push_back(i->path());
+  config::check_writable_apart({asked.files.out}, inputs);
   struct entry {
     const char* name;
     void (*bench)(const design&, const unit_files&);

@@ -54,6 +54,12 @@ std::vector<input_file> input_ledger::files() const {
   return files_;
 }
 
+std::vector<fs::path> input_ledger::names() const {
+  std::vector<fs::path> all;
+  for (const input_file& f : files()) all.push_back(f.file);
+  return all;
+}
+
 void input_ledger::note(const input_file& f) {
   const auto is_same = [&](const input_file& other) { return other.file == f.file && other.canonical == f.canonical && other.sha256 == f.sha256; };
   if (std::none_of(files_.begin(), files_.end(), is_same)) files_.push_back(f);

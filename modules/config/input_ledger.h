@@ -35,6 +35,8 @@ class input_ledger {
 
   /// In the order in which they were first read; one that was read again with other contents is there once more.
   std::vector<input_file> files() const;
+  /// Their names, as they were opened.
+  std::vector<std::filesystem::path> names() const;
 
   /// What a ledger keeps of this file, else what `read` gives, noted in all that live. For `read_file` alone.
   static std::string read_through(const std::filesystem::path& file, const std::function<std::string()>& read);

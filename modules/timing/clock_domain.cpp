@@ -18,11 +18,11 @@ clock_domain* current_domain = nullptr;
 /// So many edges at most in one wake-up, so that SystemC's time follows.
 constexpr unsigned edges_a_wake_up = 1u << 16;
 
-/// Whether there is a process that is neither a clock domain's nor a waveform's.
+/// Whether there is a process that is no clock domain's.
 bool has_foreign_process(const std::vector<sc_core::sc_object*>& objects) {
   return std::any_of(objects.begin(), objects.end(), [](sc_core::sc_object* o) {
     const sc_core::sc_object* const owner = o->get_parent_object();
-    const bool ours = dynamic_cast<const clock_domain*>(owner) != nullptr || dynamic_cast<const waveform*>(owner) != nullptr;
+    const bool ours = dynamic_cast<const clock_domain*>(owner) != nullptr;
     return (dynamic_cast<sc_core::sc_process_b*>(o) != nullptr && !ours) || has_foreign_process(o->get_child_objects());
   });
 }
@@ -191,7 +191,7 @@ void clock_domain::edge(cycle c) {
   resolve();
   if (every) {
     for (unit* u : units_) u->settle_registers();
-    if (recording(clock_.next) && c + 1 != record_from_) waveform_->show(*this);
+    if (recording(clock_.next) && c + 1 != record_from_ && !stopping_) waveform_->show(*this);
     if (waveform_ != nullptr && clock_.next == record_to_) waveform_->close();
   }
 }

@@ -1,12 +1,10 @@
 #include "modules/timing/waveform.h"
 
-#include <fstream>
+#include <algorithm>
 #include <iterator>
 #include <string_view>
-#include <system_error>
 #include <utility>
 
-#include "modules/config/error.h"
 #include "modules/timing/channel.h"
 #include "modules/timing/clock_domain.h"
 #include "modules/timing/unit.h"
@@ -21,76 +19,25 @@ void trace_axes(waveform& w, const std::string& name, const per_axis<T>& values,
   for (unsigned i = 0; i < 3; ++i) w.add(values[i], name + axis_letters[i], bits);
 }
 
-/// A word without a sign: as a signed one the tracer would show those of its upper half as unknown.
-const std::uint64_t& without_sign(const std::int64_t& word) { return reinterpret_cast<const std::uint64_t&>(word); }
-
-/// Blanks the date in SystemC's header, so that the same run gives the same bytes.
-void blank_date(std::fstream& file) {
-  std::string line;
-  std::getline(file, line);
-  const auto date = file.tellg();
-  std::getline(file, line);
-  file.seekp(date);
-  file << std::string(line.size(), ' ');
-}
-
-/// Puts a time stamp before the initial values in place of the comment in which SystemC tells their time: viewers would take them
-/// for those of time 0.
-void stamp_initial_values(std::fstream& file) {
-  constexpr std::string_view before = "All initial values";
-  std::string line;
-  file.seekg(0);
-  auto begin = file.tellg();
-  std::streamoff opening = 0;  // of the comment: the length of its first line
-  while (std::getline(file, line) && line.compare(0, before.size(), before) != 0) {
-    opening = static_cast<std::streamoff>(line.size()) + 1;
-    begin = file.tellg() - opening;
+/// The codes that VCD has for variables: the printable characters as digits.
+std::string code_of(std::size_t number) {
+  constexpr char first = '!', last = '~';
+  constexpr std::size_t base = last - first + 1;
+  std::string code;
+  for (;; number = number / base - 1) {
+    code += static_cast<char>(first + number % base);
+    if (number < base) return code;
   }
-  const auto time = line.find("= ");
-  if (time == std::string::npos) return;
-  std::string stamp = "#" + line.substr(time + 2, line.find(' ', time + 2) - time - 2);
-  std::getline(file, line);
-  stamp.resize(static_cast<std::size_t>(file.tellg() - begin) - 1, ' ');
-  file.seekp(begin);
-  file << stamp;
 }
 
-/// Also sees that the last time stamp, which the tracer writes without looking, came to the disk.
-void finish_file(const std::filesystem::path& written, const std::filesystem::path& name) {
-  std::fstream file(written, std::ios::in | std::ios::out | std::ios::binary);
-  blank_date(file);
-  stamp_initial_values(file);
-  file.clear();
-  file.seekg(-24, std::ios::end);
-  std::string tail{std::istreambuf_iterator<char>(file), {}};
-  const auto stamp = tail.rfind("\n#");
-  if (stamp == std::string::npos || tail.back() != '\n' || tail.find_first_not_of("0123456789", stamp + 2) != tail.size() - 1)
-    throw input_error(name.string(), "the waveform could not be written to its end", "room for it on the disk");
-}
+std::uint64_t begin_of(const clock_domain& domain, cycle c) { return (domain.period() * static_cast<double>(c)).value(); }
 
 }  // namespace
 
-waveform::waveform(const sc_core::sc_module_name& name, std::filesystem::path file, const packet_widths& widths)
-    : sc_module(name), path_(std::move(file)), widths_(widths), output_(path_), traced_(output_.temporary().string() + ".vcd") {
-  if (output_.temporary() == path_) throw input_error(path_.string(), "a device or a pipe", "a file: a waveform is gone over at its end");
-  output_.release();
-  SC_HAS_PROCESS(waveform);
-  SC_METHOD(fall);
-  sensitive << half_period_;
-  dont_initialize();
-  sc_core::sc_report_handler::set_actions("tracing timescale unit set", sc_core::SC_INFO, sc_core::SC_DO_NOTHING);
-}
-
-waveform::~waveform() {
-  if (file_ != nullptr) sc_core::sc_close_vcd_trace_file(file_);
-  std::error_code ignored;
-  std::filesystem::remove(traced_, ignored);
-}
+waveform::waveform(const std::filesystem::path& file, const packet_widths& widths) : widths_(widths), output_(file) {}
 
 void waveform::open(clock_domain& domain) {
   recorded_ = true;
-  file_ = sc_core::sc_create_vcd_trace_file(output_.temporary().c_str());  // which adds the ending
-  file_->set_time_unit(1, sc_core::SC_PS);
   add(clock_, "clock");
   add(cycle_, "cycle");
   for (const unit* u : domain.units()) u->trace(*this);
@@ -101,23 +48,83 @@ void waveform::open(clock_domain& domain) {
     add(ch->transfers_, name + ".transfers");
     ch->trace_payload(*this);
   }
+  for (std::size_t i = 0; i < variables_.size(); ++i) variables_[i].code = code_of(i);
+  declare();
   show(domain);
 }
 
+void waveform::declare() {
+  std::vector<std::pair<std::string_view, const traced*>> in_modules;  // by the names of all modules around them
+  for (const traced& v : variables_) in_modules.emplace_back(std::string_view(v.name).substr(0, v.name.rfind('.') + 1), &v);
+  std::stable_sort(in_modules.begin(), in_modules.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+
+  const auto out = std::back_inserter(text_);
+  fmt::format_to(out, "$version\n     rtusim\n$end\n$timescale\n     1 ps\n$end\n$scope module SystemC $end\n");
+  std::string_view open;  // the modules whose scopes are, each with a point behind it
+  for (const auto& [modules, v] : in_modules) {
+    while (modules.substr(0, open.size()) != open) {
+      open.remove_suffix(1);
+      open = open.substr(0, open.rfind('.') + 1);
+      fmt::format_to(out, "$upscope $end\n");
+    }
+    while (open.size() != modules.size()) {
+      const std::size_t point = modules.find('.', open.size());
+      fmt::format_to(out, "$scope module {} $end\n", modules.substr(open.size(), point - open.size()));
+      open = modules.substr(0, point + 1);
+    }
+    const std::string range = v->bits == 1 ? "" : fmt::format(" [{}:0]", v->bits - 1);
+    fmt::format_to(out, "$var wire {:>4} {:<3} {}{} $end\n", v->bits, v->code, v->name.substr(modules.size()), range);
+  }
+  for (const char c : open)
+    if (c == '.') fmt::format_to(out, "$upscope $end\n");
+  fmt::format_to(out, "$upscope $end\n$enddefinitions $end\n");
+}
+
+void waveform::write_time(std::uint64_t picoseconds) { fmt::format_to(std::back_inserter(text_), "#{}\n", picoseconds); }
+
+void waveform::write_value(const traced& v) {
+  if (v.bits == 1)
+    fmt::format_to(std::back_inserter(text_), "{}{}\n", v.shown, v.code);
+  else
+    fmt::format_to(std::back_inserter(text_), "b{:b} {}\n", v.shown, v.code);
+}
+
+void waveform::write_fall() {
+  traced& clock = variables_.front();
+  write_time(fall_);
+  clock.shown = 0;
+  write_value(clock);
+}
+
 void waveform::show(clock_domain& domain) {
+  const cycle coming = domain.next_edge();
+  const bool is_first = end_ == 0;
   clock_ = true;
-  half_period_.notify(domain.period() / 2);
-  cycle_ = domain.next_edge();
-  for (channel_base* ch : domain.channels()) ch->show_levels(domain.next_edge());
+  cycle_ = coming;
+  for (channel_base* ch : domain.channels()) ch->show_levels(coming);
+  if (!is_first) write_fall();
+  write_time(begin_of(domain, coming));
+  if (is_first) text_.append(std::string_view("$dumpvars\n"));
+  for (traced& v : variables_) {
+    const std::uint64_t value = v.value(v.at) & (~std::uint64_t{0} >> (64 - v.bits));
+    if (!is_first && value == v.shown) continue;
+    v.shown = value;
+    write_value(v);
+  }
+  if (is_first) text_.append(std::string_view("$end\n"));
+  fall_ = begin_of(domain, coming) + (domain.period() / 2).value();
+  end_ = begin_of(domain, coming + 1);
+  output_->write({text_.data(), text_.size()});
+  text_.clear();
 }
 
 void waveform::close() {
-  if (file_ == nullptr) return;
-  sc_core::sc_close_vcd_trace_file(std::exchange(file_, nullptr));
-  std::error_code ignored;  // a file that is not there is found unfinished
-  std::filesystem::rename(traced_, output_.temporary(), ignored);
-  finish_file(output_.temporary(), path_);
-  output_.commit();
+  if (!recorded_ || !output_) return;
+  write_fall();
+  write_time(end_);
+  output_->write({text_.data(), text_.size()});
+  output_->commit();
+  output_.reset();
 }
 
 void trace_fields(waveform& w, const std::string& name, const job_packet& p) {
@@ -138,7 +145,7 @@ void trace_fields(waveform& w, const std::string& name, const traversal_job& j) 
 void trace_fields(waveform& w, const std::string& name, const triangle_job& j) {
   w.add(j.job_word, name + ".job_word");
   w.add(j.ray.misses_box, name + ".misses_box");
-  for (unsigned i = 0; i < 3; ++i) w.add(without_sign(j.ray.position[i]), name + ".pos_" + axis_letters[i], w.widths().position);
+  for (unsigned i = 0; i < 3; ++i) w.add(j.ray.position[i], name + ".pos_" + axis_letters[i], w.widths().position);
   trace_axes(w, name + ".dir_", j.ray.direction, w.widths().direction);
   trace_axes(w, name + ".idir_", j.ray.reciprocal, w.widths().reciprocal);
 }
@@ -150,8 +157,8 @@ void trace_fields(waveform& w, const std::string& name, const traversal_result& 
   w.add(r.cost, name + ".cost");
   if (w.widths().uv != 0) {
     w.add(r.triangle, name + ".triangle");
-    w.add(without_sign(r.u), name + ".u", w.widths().uv);
-    w.add(without_sign(r.v), name + ".v", w.widths().uv);
+    w.add(r.u, name + ".u", w.widths().uv);
+    w.add(r.v, name + ".v", w.widths().uv);
   } else {
     w.add(r.normal_axis, name + ".normal_axis", 3);
     w.add(r.normal_sign, name + ".normal_sign", 2);

@@ -2,10 +2,12 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <type_traits>
+#include <vector>
 
-#include <systemc>
+#include <fmt/format.h>
 
 #include "modules/config/files.h"
 #include "modules/formats/packets.h"
@@ -25,54 +27,60 @@ struct packet_widths {
   unsigned reciprocal = 0;
 };
 
-/// A VCD file of every channel, state and counter of a clock domain, for the cycles of a window.
+/// A VCD file (IEEE 1364-2005, 18.2) of every channel, state and counter of a clock domain, for the cycles of a window.
 ///
 /// Cycle c lasts from c to c + 1 periods: the values within it are those that its closing edge samples. `clock` rises as each
 /// begins. A channel shows what it offers, and while it offers nothing zeros. What a window shows of a cycle is
 /// what a recording of the whole run shows of it.
-class waveform : public sc_core::sc_module {
+///
+/// Written here and not by SystemC's tracer, which opens files by guessable names, follows links, and does not look whether what it
+/// writes comes to the disk.
+class waveform {
  public:
   /// `file` is replaced when the recording is complete.
-  /// Errors: input_error when it can't be written, or is a device or a pipe.
-  waveform(const sc_core::sc_module_name& name, std::filesystem::path file, const packet_widths& widths);
-  ~waveform() override;
+  /// Errors: input_error when it can't be written.
+  waveform(const std::filesystem::path& file, const packet_widths& widths);
 
   /// For units, channels and payloads, in their `trace`: adds one variable of `bits` bits (0: all of its type).
   template <class T>
   void add(const T& variable, const std::string& name, unsigned bits = 0) {
     static_assert(std::is_integral_v<T> || (std::is_enum_v<T> && sizeof(T) == 1));
-    const int width = static_cast<int>(bits != 0 ? bits : sizeof(T) * 8);
-    if constexpr (std::is_same_v<T, bool>) {
-      sc_core::sc_trace(file_, variable, name);
-    } else if constexpr (std::is_enum_v<T>) {
-      sc_core::sc_trace(file_, reinterpret_cast<const unsigned char&>(variable), name, width);
-    } else if constexpr (std::is_same_v<T, signed char>) {
-      // Without an overload of its own it would be promoted, and the tracer keep the address of a temporary.
-      sc_core::sc_trace(file_, reinterpret_cast<const char&>(variable), name, width);
-    } else {
-      sc_core::sc_trace(file_, variable, name, width);
-    }
+    const unsigned all = std::is_same_v<T, bool> ? 1 : sizeof(T) * 8;
+    const auto value = [](const void* at) { return static_cast<std::uint64_t>(*static_cast<const T*>(at)); };
+    variables_.push_back({&variable, value, name, bits != 0 ? bits : all});
   }
   const packet_widths& widths() const { return widths_; }
 
   /// Starts the file with the values of the coming cycle.
   void open(clock_domain& domain);
-  /// Shows the coming cycle, as it begins.
+  /// Shows the coming cycle, as it begins. Errors: input_error when the disk is full.
   void show(clock_domain& domain);
-  /// Ends the recording and puts the file in place. Without an open recording there is no file.
+  /// Ends the recording before the coming cycle and puts the file in place. Without an open recording there is no file.
   /// Errors: input_error when the file could not be written to its end.
   void close();
   bool recorded() const { return recorded_; }
 
  private:
-  void fall() { clock_ = false; }
+  struct traced {
+    const void* at;
+    std::uint64_t (*value)(const void* at);
+    std::string name;  // with those of the modules before it, and points between
+    unsigned bits;
+    std::string code = {};
+    std::uint64_t shown = 0;
+  };
 
-  std::filesystem::path path_;
+  void declare();
+  void write_time(std::uint64_t picoseconds);
+  void write_value(const traced& v);
+  void write_fall();
+
   packet_widths widths_;
-  config::output_file output_;
-  std::filesystem::path traced_;  // where SystemC's tracer writes
-  sc_core::sc_trace_file* file_ = nullptr;
-  sc_core::sc_event half_period_;
+  std::optional<config::output_file> output_;
+  std::vector<traced> variables_;  // the first is `clock_`
+  fmt::memory_buffer text_;  // to be written
+  std::uint64_t fall_ = 0;  // of the cycle that was shown last: its middle, in picoseconds,
+  std::uint64_t end_ = 0;   // and its end
   bool recorded_ = false;
   bool clock_ = false;
   std::uint64_t cycle_ = 0;

@@ -449,11 +449,11 @@ TEST_CASE("command line: an output that can't be written is refused before the r
       {"a picture of no format", small_run({"--image", "out.jpg"}), "out.jpg: no picture format that we write"},
       {"a picture of no kind", small_run({"--image", "out.cots.png"}), "out.cots.png: unknown kind of picture \"cots\""},
       {"a picture without a name", small_run({"--image", ".png"}), ".png: no picture format"},
-      {"one file for two outputs", small_run({"--log", "out", "--stats", "./out"}), "out: two outputs of this name"},
+      {"one file for two outputs", small_run({"--log", "out", "--stats", "./out"}), "out: the file of the output ./out, too"},
       {"a unit's folder", {"unit", "float_to_fixed", "--jobs", "in.csv", "--out", "none/out"}, "none/out: its folder does not exist"},
       {"a picture on a full device", small_run({"--image", "full.png"}), "full.png: "},
       {"layers on a full device", small_run({"--image", "full.exr"}), "full.exr: "},
-      {"a waveform on a device", small_run({"--vcd", "/dev/full"}), "/dev/full: a device"},
+      {"a waveform on a full device", small_run({"--vcd", "/dev/full"}), "/dev/full: No space left"},
       {"a full device for a table", {"unit", "svo_core", "--jobs", "in.csv", "--out", "/dev/full", "--model", dragon}, "/dev/full: No"},
   };
   for (const char* option : {"--log", "--stats", "--save-jobs"})

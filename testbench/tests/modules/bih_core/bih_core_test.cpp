@@ -177,7 +177,7 @@ TEST_CASE("bih_core: a waveform shows the traces clock by clock, signal for sign
     const std::string message = in_child([&] {
       bench<triangle_job, traversal_result> b(jobs);
       core_with_intersector unit(test::bih_as_built(), memory, pipelined, b.in, b.out);
-      waveform w("waveform", folder / (scene + ".vcd"), core_widths);
+      waveform w(folder / (scene + ".vcd"), core_widths);
       b.clock.record(w, 0, never);
       b.clock.start();
       w.close();
@@ -229,7 +229,7 @@ TEST_CASE("bih_core: with rays now and then a waveform shows what the machine do
         source.out(in);
         sink.in(out);
         core_with_intersector unit(test::bih_as_built(), memory, divider, in, out);
-        waveform w("waveform", file, core_widths);
+        waveform w(file, core_widths);
         clock.record(w, 0, never);
         clock.start();
         w.close();

@@ -7,6 +7,7 @@
 
 #include <catch2/catch.hpp>
 #include <fmt/format.h>
+#include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
 #include <zlib.h>
@@ -130,10 +131,11 @@ TEST_CASE("output_file puts the whole file in its place, or nothing") {
   put(file, "old");
   {
     output_file out(file);
-    CHECK(out.temporary().extension() == ".png");
-    CHECK(out.temporary().parent_path() == file.parent_path());
     out.write("new ");
     CHECK(read_file(file) == "old");
+    REQUIRE(in.names().size() == 2);
+    const std::string part = in.names().front();
+    CHECK(part.rfind(fmt::format(".out.csv.part-{}-0.png", rtusim::config::process_mark()), 0) == 0);
     out.write(std::string(3'000'000, 'x'));
     out.write({});
     out.commit();
@@ -146,29 +148,26 @@ TEST_CASE("output_file puts the whole file in its place, or nothing") {
   }
   CHECK(read_file(file).size() == 3'000'004);
   CHECK(in.names() == std::vector<std::string>{"out.csv.png"});
+  const auto long_name = in / (std::string(251, 'x') + ".csv");
+  output_file out(long_name);
+  out.commit();
+  CHECK(read_file(long_name).empty());
 }
 
-TEST_CASE("output_file lends its temporary path to a library") {
+TEST_CASE("output_file lends its open file to a library") {
   const folder in;
   const auto file = in / "picture.exr";
-  {
-    output_file out(file);
-    out.release();
-    put(out.temporary(), "by a library");
-    out.commit();
-  }
-  CHECK(read_file(file) == "by a library");
-  {
-    output_file out(in / "other.exr");
-    out.release();
-  }
-  CHECK(in.names() == std::vector<std::string>{"picture.exr"});
+  output_file out(file);
+  out.write("before, ");
+  REQUIRE(::write(out.descriptor(), "by a library", 12) == 12);
+  out.write(", behind");
+  out.commit();
+  CHECK(read_file(file) == "before, by a library, behind");
 }
 
 TEST_CASE("Two output files of one name do not write into each other") {
   const folder in;
   output_file first(in / "out"), second(in / "out");
-  CHECK(first.temporary() != second.temporary());
   first.write("first");
   second.write("second");
   first.commit();
@@ -178,29 +177,104 @@ TEST_CASE("Two output files of one name do not write into each other") {
   CHECK(in.names().size() == 1);
 }
 
-TEST_CASE("output_file follows a link and writes devices directly") {
+void write_whole(const fs::path& file, const std::string& bytes) {
+  output_file out(file);
+  out.write(bytes);
+  out.commit();
+}
+
+TEST_CASE("output_file follows links and writes devices directly") {
   const folder in;
   put(in / "target", "old");
   fs::create_symlink("target", in / "link");
-  {
-    output_file out(in / "link");
-    out.write("new");
-    out.commit();
-  }
-  CHECK(fs::is_symlink(in / "link"));
+  fs::create_directory(in / "below");
+  fs::create_symlink("../link", in / "below/far");
+  fs::create_symlink("made", in / "dangling");
+  write_whole(in / "below/far", "new");
   CHECK(read_file(in / "target") == "new");
-  {
-    output_file out("/dev/null");
-    CHECK(out.temporary() == "/dev/null");
-    out.write("gone");
-    out.commit();
-  }
-  CHECK(fs::is_character_file("/dev/null"));
+  write_whole(in / "dangling", "made");
+  CHECK(read_file(in / "made") == "made");
+  for (const char* name : {"link", "below/far", "dangling"}) CHECK(fs::is_symlink(in / name));
+
+  write_whole("/dev/null", "gone");
   { const output_file uncommitted("/dev/null"); }
   CHECK(fs::is_character_file("/dev/null"));
   fs::create_symlink("loop", in / "loop");
   CHECK(error_of([&] { output_file out(in / "loop"); }) ==
         (in / "loop").string() + ": Too many levels of symbolic links; expected to write it");
+}
+
+TEST_CASE("output_file keeps the mode of a file that was there") {
+  const folder in;
+  for (const mode_t mode : {0600, 0640, 0755, 0666}) {
+    const auto file = put(in / "out", "old");
+    REQUIRE(::chmod(file.c_str(), mode) == 0);
+    {
+      output_file out(file);
+      struct stat part {};
+      REQUIRE(::stat((in / in.names().front()).c_str(), &part) == 0);
+      CHECK((part.st_mode & 0777) == mode);
+    }
+    write_whole(file, "new");
+    struct stat found {};
+    REQUIRE(::stat(file.c_str(), &found) == 0);
+    CHECK((found.st_mode & 0777) == mode);
+    CHECK(read_file(file) == "new");
+  }
+}
+
+TEST_CASE("An output by the name of an open file goes on where that stands") {
+  const folder in;
+  const auto file = put(in / "all.csv", "before\n");
+  const int descriptor = ::open(file.c_str(), O_WRONLY | O_APPEND);
+  REQUIRE(descriptor >= 0);
+  fs::create_symlink(fmt::format("/dev/fd/{}", descriptor), in / "link.csv");
+  for (const auto& name : {fs::path(fmt::format("/dev/fd/{}", descriptor)), fs::path(fmt::format("/proc/self/fd/{}", descriptor)),
+                           fs::path(fmt::format("/proc/{}/fd/{}", ::getpid(), descriptor)), in / "link.csv"}) {
+    CAPTURE(name);
+    CHECK(rtusim::config::descriptor_named(name) == descriptor);
+    rtusim::config::check_writable(name);
+    write_whole(name, "more\n");
+  }
+  ::close(descriptor);
+  CHECK(read_file(file) == "before\nmore\nmore\nmore\nmore\n");
+  CHECK(in.names().size() == 2);
+  CHECK(rtusim::config::descriptor_named("-") == STDOUT_FILENO);
+  CHECK(rtusim::config::descriptor_named("/dev/stdout") == STDOUT_FILENO);
+  for (const auto& name : {in / "all.csv", in / "none", fs::path("/dev/null"), fs::path("1"), in / "link.csv/1", fs::path()})
+    CHECK(!rtusim::config::descriptor_named(name));
+  CHECK(error_of([] { output_file out("/dev/fd/987"); }) == "/dev/fd/987: Bad file descriptor; expected to write it");
+}
+
+TEST_CASE("No output is the file of an input or of another output") {
+  const folder in;
+  const auto model = put(in / "model.svo", "x"), other = put(in / "other.csv", "x");
+  fs::create_symlink("model.svo", in / "link");
+  fs::create_hard_link(model, in / "twin");
+  fs::create_symlink("new.csv", in / "dangling");
+  fs::create_directory(in / "below");
+  using list = std::vector<fs::path>;
+  const struct { list outputs, inputs; fs::path place; std::string found; } refused[] = {
+      {{model}, {model}, model, "the file of the input " + model.string()},
+      {{in / "link"}, {model}, in / "link", "the file of the input " + model.string()},
+      {{in / "twin"}, {"", model}, in / "twin", "the file of the input " + model.string()},
+      {{other, in / "below/../model.svo"}, {in / "link"}, in / "below/../model.svo", "the file of the input " + (in / "link").string()},
+      {{other, "", in / "./other.csv"}, {}, in / "./other.csv", "the file of the output " + other.string() + ", too"},
+      {{in / "new.csv", in / "dangling"}, {}, in / "dangling", "the file of the output " + (in / "new.csv").string() + ", too"},
+      {{"-", "/dev/stdout"}, {}, "/dev/stdout", "the file of the output -, too"},
+  };
+  for (const auto& r : refused) {
+    const std::string expected = r.place == "/dev/stdout" ? "at most one output there" : "a file of its own";
+    CHECK(error_of([&] { rtusim::config::check_writable_apart(r.outputs, r.inputs); }) ==
+          fmt::format("{}: {}; expected {}", r.place.string(), r.found, expected));
+  }
+  rtusim::config::check_writable_apart({other, in / "new.csv", "-", "/dev/null", "/dev/null"}, {model, "", in / "missing", "/dev/null"});
+  CHECK(read_file(model) == "x");
+  CHECK(!fs::exists(in / "new.csv"));
+  using rtusim::config::stream_beside;
+  CHECK(stream_beside({other, ""}) == stdout);
+  CHECK(stream_beside({other, "-"}) == stderr);
+  CHECK(stream_beside({"/proc/self/fd/1"}) == stderr);
 }
 
 TEST_CASE("output_file says why it can't write") {
@@ -219,7 +293,7 @@ TEST_CASE("output_file says why it can't write") {
 
   const std::string full = "/dev/full: No space left on device; expected to write it";
   CHECK(error_of([] { output_file out("/dev/full"); out.write("x"); out.commit(); }) == full);
-  CHECK(error_of([] { output_file out("/dev/full"); out.write("x"); out.release(); }) == full);
+  CHECK(error_of([] { output_file out("/dev/full"); out.write("x"); out.descriptor(); }) == full);
   CHECK(error_of([] { output_file out("/dev/full"); out.write(std::string(3'000'000, 'x')); }) == full);
   CHECK(in.names() == std::vector<std::string>{"file"});
 }
