@@ -136,7 +136,9 @@ void add_pace(CLI::App& app, run_pace& to) {
 void add_run(CLI::App& app, run_options& o) {
   app.add_option("SCENE.toml", o.scene, "what is traced")->type_name("");
   app.add_option("--arch", o.architecture, "the design, a TOML file")->type_name("FILE");
-  app.add_option("--set", o.assignments, "a parameter; see 'rtusim explain'")->type_name("KEY=VALUE")->allow_extra_args(false);
+  app.add_option("--set", o.assignments, "a parameter, see 'rtusim explain'; KEY=default takes back what a file gives")
+      ->type_name("KEY=VALUE")
+      ->allow_extra_args(false);
   app.add_option("--model", o.model, "an octree (.svo), voxels (.binvox) or a mesh in place of the scene's")->type_name("FILE");
   app.add_option("--jobs", o.jobs, "rays as job packets in place of the camera's")->type_name("FILE");
   app.add_option("--save-jobs", o.save_jobs, "keep the job packets")->type_name("FILE");
@@ -173,6 +175,8 @@ void add_sweep(CLI::App& app, sweep_options& o) {
   };
   app.add_option_function<std::string>("--engine", read_engine, "local processes, or a job array of Slurm")->type_name("ENGINE");
   app.add_option("--share", o.share, "only the points with number modulo N = I, and no table: for one of N machines")->type_name("I/N");
+  app.add_flag("--retry-failed", o.retry_failed, "run again what failed before");
+  app.add_flag("--units", o.units, "a second header row in results.csv: the columns' units");
   app.add_flag("--quiet", o.quiet, "no summary");
   app.footer("What is done stays: an interrupted sweep goes on with the same command, a changed one runs only what is new.");
 }

@@ -12,6 +12,7 @@
 #include "modules/config/input_ledger.h"
 #include "modules/config/printable.h"
 #include "testbench/job_file.h"
+#include "testbench/record_paths.h"
 #include "testbench/replay.h"
 #include "testbench/run_setup.h"
 #include "testbench/summary.h"
@@ -78,24 +79,30 @@ std::string differences_of(const char* part, const json& a, const json& b) {
   return text.empty() ? text : fmt::format("{}\n{}", part, text);
 }
 
+/// The folder at which a record's files start, named as its user named the record.
+std::filesystem::path folder_to_start_at(const std::filesystem::path& record) {
+  return std::filesystem::is_symlink(record) ? folder_of_record(record) : record.parent_path();
+}
+
 }  // namespace
 
 void rerun(const rerun_options& o) {
   const json old = read_record(o.record);
-  run_setup s(nlohmann::json::parse(old["parameters"].dump()), o.record.string());
-  const std::string job_file = old["inputs"].value("jobs", "");
+  const auto folder = folder_to_start_at(o.record);
+  run_setup s(nlohmann::json::parse(old["parameters"].dump()), o.record.string(), folder);
+  const auto file_of = [&](const char* name) { return place_of(folder, old["inputs"].value(name, "")); };
+  const std::filesystem::path job_file = file_of("jobs");
   config::check_writable_apart({o.statistics}, {s.what.model.model, s.what.model.rays, job_file});
   const config::input_ledger read;
   const loaded_model model(s);
   model.settle(s);
   const sent_jobs sent = job_file.empty() ? model.jobs(s, 2, false) : model.jobs(read_jobs(job_file));
   const std::vector<job_packet>& jobs = sent.packets;
-
   config::check_apart({o.statistics}, read.names());  // a mesh may have more files than one
 
   run_record record;
   record.inputs = inputs_of(s, model, jobs);
-  for (const char* name : {"scene", "architecture", "jobs"}) record.inputs[name] = old["inputs"].value(name, "");
+  for (const char* name : {"scene", "architecture", "jobs"}) record.inputs[name] = file_of(name).string();
   for (const char* name : {"model_crc32", "jobs_crc32"})
     if (old["inputs"].value(name, "") != record.inputs[name])
       throw input_error(o.record.string(), fmt::format("inputs.{} = {}", name, old["inputs"].value(name, "none")),
@@ -118,8 +125,10 @@ void rerun(const rerun_options& o) {
   record.simulator = old["simulator"];
   if (!o.statistics.empty()) write_record(o.statistics, record);
 
-  const json now{{"parameters", record.parameters}, {"statistics", record.statistics}};
-  const std::string differences = differences_of("parameters", old, now) + differences_of("statistics", old, now);
+  json then = old, now{{"inputs", record.inputs}, {"parameters", record.parameters}, {"statistics", record.statistics}};
+  name_files_in_full(folder, then["inputs"], then["parameters"]);
+  name_files_in_full({}, now["inputs"], now["parameters"]);
+  const std::string differences = differences_of("parameters", then, now) + differences_of("statistics", then, now);
   if (!differences.empty()) {
     fmt::print(config::stream_beside({o.statistics}), "{}", differences);
     throw simulation_error(o.record.string() + ": run again, figures differ");
@@ -130,7 +139,9 @@ void rerun(const rerun_options& o) {
 }
 
 std::string difference_text(const std::filesystem::path& a, const std::filesystem::path& b) {
-  const json left = read_record(a), right = read_record(b);
+  json left = read_record(a), right = read_record(b);
+  name_files_in_full(folder_to_start_at(a), left["inputs"], left["parameters"]);
+  name_files_in_full(folder_to_start_at(b), right["inputs"], right["parameters"]);
   std::string text;
   for (const char* part : {"inputs", "parameters", "statistics"}) text += differences_of(part, left, right);
   return text;

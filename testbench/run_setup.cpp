@@ -11,6 +11,7 @@
 #include "modules/svo_core/svo_walk.h"
 #include "testbench/driver.h"
 #include "testbench/ray_list.h"
+#include "testbench/record_paths.h"
 
 namespace rtusim {
 namespace {
@@ -65,14 +66,16 @@ void run_setup::describe() {
   what.describe(parameters);
 }
 
+void run_setup::start_files_at(const std::filesystem::path& folder) {
+  for (std::string* path : {&what.model.model, &what.model.rays}) *path = place_of(folder, *path).string();
+}
+
 run_setup::run_setup(const run_sources& from) {
   describe();
   if (!from.architecture.empty()) parameters.read_toml(from.architecture, with_bench(design::sections()));
   if (!from.scene.empty()) {
     parameters.read_toml(from.scene, with_bench(scene::sections()));
-    // A path in a scene file starts at its folder; one on the command line starts here.
-    for (std::string* path : {&what.model.model, &what.model.rays})
-      if (!path->empty()) *path = (from.scene.parent_path() / *path).string();
+    start_files_at(from.scene.parent_path());  // and those of the command line here
   }
   // Voxels in place of the scene's mesh leave nothing to divide, a mesh in place of patches nothing to cut.
   if (holds_voxels(from.model)) parameters.forget("scene.resolution");
@@ -82,9 +85,10 @@ run_setup::run_setup(const run_sources& from) {
   check();
 }
 
-run_setup::run_setup(const nlohmann::json& recorded_parameters, const std::string& place) {
+run_setup::run_setup(const nlohmann::json& recorded_parameters, const std::string& place, const std::filesystem::path& folder) {
   describe();
   parameters.read_json(recorded_parameters, place);
+  start_files_at(folder);
   check();
 }
 

@@ -37,13 +37,14 @@ struct run_setup {
 
   /// Errors: input_error for files and values that can't be used, a value that nothing reads, no model.
   explicit run_setup(const run_sources& from);
-  /// A run as a statistics file records it. Errors: as above; `place` names the file.
-  run_setup(const nlohmann::json& recorded_parameters, const std::string& place);
+  /// A run as a statistics file records it, whose files are named from `folder`. Errors: as above; `place` names the file.
+  run_setup(const nlohmann::json& recorded_parameters, const std::string& place, const std::filesystem::path& folder);
   run_setup(const run_setup&) = delete;
   run_setup& operator=(const run_setup&) = delete;
 
  private:
   void describe();
+  void start_files_at(const std::filesystem::path& folder);
   void check() const;
 };
 

@@ -8,6 +8,7 @@
 
 #include "modules/config/files.h"
 #include "modules/config/printable.h"
+#include "testbench/record_paths.h"
 
 namespace rtusim {
 namespace {
@@ -51,11 +52,16 @@ void simulator_figures::describe(config::report& r) const {
   r.number("edges_per_ray", per_ray(static_cast<double>(clock.edges)), "edges", "edges by rays");
 }
 
-void write_record(const std::filesystem::path& file, const run_record& record) {
+std::string record_text(run_record record, const std::filesystem::path& folder) {
+  name_files_from(folder, record.inputs, record.parameters);
   const json all{{"format", "rtusim statistics"},      {"version", run_record::version},      {"inputs", record.inputs},
                  {"parameters", record.parameters}, {"statistics", record.statistics}, {"simulator", record.simulator}};
+  return all.dump(2, ' ', false, json::error_handler_t::replace) + '\n';  // a file's name may be no UTF-8
+}
+
+void write_record(const std::filesystem::path& file, const run_record& record) {
   config::output_file out(file);
-  out.write(all.dump(2, ' ', false, json::error_handler_t::replace) + '\n');  // a file's name may be no UTF-8
+  out.write(record_text(record, folder_of_record(file)));
   out.commit();
 }
 

@@ -13,7 +13,8 @@
 
 namespace rtusim {
 
-/// What is kept of a run: a versioned JSON file. All but `simulator` depends on the inputs alone.
+/// What is kept of a run: a versioned JSON file. All but `simulator` depends on the inputs alone. The file names its inputs from its own folder,
+/// so that it does not depend on where it was written from; here they are named from the current directory.
 struct run_record {
   static constexpr int version = 2;
 
@@ -37,6 +38,9 @@ struct simulator_figures {
 
   void describe(config::report& r) const;
 };
+
+/// What a statistics file holds that lies in this folder; see `folder_of_record`.
+std::string record_text(run_record record, const std::filesystem::path& folder);
 
 /// Errors: input_error when the file can't be written.
 void write_record(const std::filesystem::path& file, const run_record& record);

@@ -47,6 +47,12 @@ std::vector<column_meaning> all_parameters() {
   return all;
 }
 
+/// A number in the fewest digits that tell it, a word as it stands.
+std::string shown(const nlohmann::ordered_json& value) {
+  if (value.is_string()) return value.get<std::string>();
+  return value.is_number_float() ? fmt::format("{}", value.get<double>()) : value.dump();
+}
+
 /// The figure that stands for a column in `all_figures`: all cores have the same, and all channels.
 std::string representative(const std::string& column) {
   static const std::regex core("^core_[0-9]+"), channel("^channels\\.[^.]+");
@@ -135,8 +141,8 @@ class sweep_reader {
     if (plan_.scenes_.empty()) throw input_error(file_.string(), "no sweep.scenes", "a list of scene files");
     for (const auto* files : {&plan_.scenes_, &plan_.architectures_})
       for (const auto& f : *files)
-        if (!std::filesystem::is_regular_file(f))
-          throw input_error(file_.string(), f.string() + ", which is no file", "a path from the sweep file's folder");
+        if (!std::filesystem::is_regular_file(plan_.place_of(f)))
+          throw input_error(file_.string(), f + ", which is no file", "a path from the sweep file's folder");
     if (plan_.architectures_.empty()) plan_.architectures_.emplace_back();
     if (plan_.record_.empty()) plan_.record_ = usual_record();
     enumerate();
@@ -191,7 +197,7 @@ class sweep_reader {
       const std::string key(name.str());
       if (key == "scenes" || key == "architectures") {
         auto& files = key == "scenes" ? plan_.scenes_ : plan_.architectures_;
-        for (const std::string& f : texts(node, key)) files.push_back((file_.parent_path() / f).lexically_normal());
+        for (const std::string& f : texts(node, key)) files.push_back(f);
       } else if (key == "constraints") {
         for (const std::string& text : texts(node, key)) constraints_.push_back(std::make_unique<constraint>(text, place(node)));
       } else if (key == "record") {
@@ -239,20 +245,32 @@ class sweep_reader {
     fail(node, "no figure " + figure, near.empty() ? "one that 'rtusim explain statistics' lists, without \"statistics.\"" : near);
   }
 
+  static sweep_plan::value value_of(const std::string& key, const nlohmann::ordered_json& typed) {
+    std::string text;
+    if (typed.is_array()) {
+      for (const auto& item : typed) text += (text.empty() ? "" : ", ") + shown(item);
+      text = "[ " + text + " ]";
+    } else {
+      text = shown(typed);
+    }
+    return {key + '=' + text, text, typed};
+  }
+
   sweep_plan::value one_value(const std::string& key, const toml::node& node) const {
-    std::ostringstream text;
-    if (const auto* v = node.as_string()) return {key + '=' + v->get(), v->get()};
-    if (const auto* v = node.as_integer())
-      text << v->get();
-    else if (const auto* b = node.as_boolean())
-      text << (b->get() ? "true" : "false");
-    else if (const auto* f = node.as_floating_point())
-      text << fmt::format("{}", f->get());
-    else if (const auto* a = node.as_array(); a != nullptr && a->size() == 3)
-      text << *a;
-    else
-      fail(node, key + " with what is no value", "a number, a word, true, false or three numbers");
-    return {key + '=' + text.str(), text.str()};
+    if (const auto* a = node.as_array(); a != nullptr && a->size() == 3) {
+      nlohmann::ordered_json list = nlohmann::ordered_json::array();
+      for (const auto& item : *a) list.push_back(single_value(key, item));
+      return value_of(key, list);
+    }
+    return value_of(key, single_value(key, node));
+  }
+
+  nlohmann::ordered_json single_value(const std::string& key, const toml::node& node) const {
+    if (const auto* v = node.as_string()) return v->get();
+    if (const auto* v = node.as_integer()) return v->get();
+    if (const auto* v = node.as_boolean()) return v->get();
+    if (const auto* v = node.as_floating_point()) return v->get();
+    fail(node, key + " with what is no value", "a number, a word, true, false or three numbers");
   }
 
   std::vector<sweep_plan::value> values_of(const std::string& key, const toml::node& node) const {
@@ -290,8 +308,10 @@ class sweep_reader {
     const auto steps = static_cast<std::uint64_t>(count + 1e-9);
     for (std::uint64_t i = 0; i <= steps; ++i) {
       const double v = factor ? *from * std::pow(*factor, static_cast<double>(i)) : *from + static_cast<double>(i) * step.value_or(1);
-      const std::string text = whole ? fmt::format("{:.0f}", v) : fmt::format("{:.12g}", v);  // 0.3, and not 0.30000000000000004
-      values.push_back({key + '=' + text, text});
+      if (whole)
+        values.push_back(value_of(key, static_cast<std::int64_t>(std::llround(v))));
+      else
+        values.push_back(value_of(key, std::stod(fmt::format("{:.12g}", v))));  // 0.3, and not 0.30000000000000004
     }
     return values;
   }
@@ -369,7 +389,14 @@ class sweep_reader {
   std::vector<std::unique_ptr<constraint>> constraints_;
 };
 
-sweep_plan::sweep_plan(const std::filesystem::path& file) : file_(file) { sweep_reader(*this, file); }
+sweep_plan::sweep_plan(const std::filesystem::path& file) : folder_(std::filesystem::absolute(file).parent_path()) { sweep_reader(*this, file); }
+
+std::string sweep_plan::named_as_written(std::string text) const {
+  const std::string start = (folder_ / "").string();
+  if (start == "/") return text;
+  for (std::size_t at = text.find(start); at != std::string::npos; at = text.find(start, at)) text.erase(at, start.size());
+  return text;
+}
 
 std::vector<column_meaning> meanings_of(const std::vector<std::string>& columns) {
   std::vector<column_meaning> known = all_parameters(), found;
@@ -383,7 +410,7 @@ std::vector<column_meaning> meanings_of(const std::vector<std::string>& columns)
 }
 
 std::unique_ptr<run_setup> sweep_plan::setup(const point& p) const {
-  run_sources from{scenes_[p.scene], architectures_[p.architecture], fixed_, {}};
+  run_sources from{scene(p), architecture(p), fixed_, {}};
   for (const value* v : p.values) from.assignments.push_back(v->assignment);
   return std::make_unique<run_setup>(from);
 }

@@ -25,6 +25,7 @@ namespace rtusim {
 ///     [axes]                                                  # crossed
 ///     "rtu.cores" = {from = 1, to = 64}                       # also step = 2, or factor = 2
 ///     "scheduler.policy" = ["round_robin", "first_available"]
+///     "camera.position" = ["default"]                         # takes back what a scene or an architecture gives
 ///     [[in_step]]                                             # values that go together
 ///     "frame.width" = [320, 640]
 ///     "frame.height" = [180, 360]
@@ -32,10 +33,11 @@ namespace rtusim {
 /// Points are numbered in this order: scenes, architectures, axes as the file names them, the last turning fastest.
 class sweep_plan {
  public:
-  /// A parameter's value as text: what `--set` takes, and what a table shows.
+  /// A parameter's value: what `--set` takes, what a table shows, and the number, word, truth or array that it is.
   struct value {
     std::string assignment;
     std::string shown;
+    nlohmann::ordered_json typed;
   };
   struct point {
     std::size_t scene = 0;
@@ -53,8 +55,14 @@ class sweep_plan {
   const std::vector<std::string>& axes() const { return keys_; }
   const std::vector<std::string>& record() const { return record_; }
   const std::vector<std::string>& images() const { return images_; }
-  const std::filesystem::path& scene(const point& p) const { return scenes_[p.scene]; }
-  const std::filesystem::path& architecture(const point& p) const { return architectures_[p.architecture]; }
+  std::filesystem::path scene(const point& p) const { return place_of(scenes_[p.scene]); }
+  /// Empty for the default design.
+  std::filesystem::path architecture(const point& p) const { return place_of(architectures_[p.architecture]); }
+  /// As the sweep file has them.
+  const std::string& scene_name(const point& p) const { return scenes_[p.scene]; }
+  const std::string& architecture_name(const point& p) const { return architectures_[p.architecture]; }
+  /// A text in which files are named from the sweep file's folder, whatever the current one.
+  std::string named_as_written(std::string text) const;
 
   /// The run of a point. Errors: those of `run_setup`.
   std::unique_ptr<run_setup> setup(const point& p) const;
@@ -64,8 +72,10 @@ class sweep_plan {
     std::vector<std::vector<value>> rows;  // one value of each key
   };
 
-  std::filesystem::path file_;
-  std::vector<std::filesystem::path> scenes_, architectures_;
+  std::filesystem::path place_of(const std::string& file) const { return file.empty() ? std::filesystem::path() : folder_ / file; }
+
+  std::filesystem::path folder_;  // of the sweep file, in full
+  std::vector<std::string> scenes_, architectures_;
   std::vector<std::string> fixed_;
   std::vector<std::string> keys_;
   std::vector<axis_group> groups_;

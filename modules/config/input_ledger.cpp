@@ -39,7 +39,7 @@ std::string sha256_of(std::string_view bytes) {
   return fmt::format("{:02x}", fmt::join(digest, ""));
 }
 
-input_ledger::input_ledger(keeping what) : what_(what) {
+input_ledger::input_ledger(keeping what, std::uint64_t most_kept_bytes) : what_(what), room_bytes_(most_kept_bytes) {
   const std::lock_guard<std::mutex> lock(access);
   ledgers.push_back(this);
 }
@@ -84,7 +84,7 @@ std::string input_ledger::read_through(const fs::path& file, const std::function
   about.file = file;
   for (input_ledger* l : ledgers) {
     l->note(about);
-    if (l->what_ == keeping::bytes) l->kept_.emplace(whole, found);
+    if (l->what_ == keeping::bytes && about.bytes <= l->room_bytes_ && l->kept_.emplace(whole, found).second) l->room_bytes_ -= about.bytes;
   }
   return found->bytes;
 }

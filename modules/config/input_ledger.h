@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <limits>
 #include <map>
 #include <memory>
 #include <string>
@@ -28,7 +29,8 @@ class input_ledger {
     bytes,  ///< and its contents: a file that is read a second time is the same, whatever lies there by then
   };
 
-  explicit input_ledger(keeping what = keeping::notes);
+  /// `most_kept_bytes`: contents are kept while they sum up to no more; a file beyond is noted alone, and read from its place each time.
+  explicit input_ledger(keeping what = keeping::notes, std::uint64_t most_kept_bytes = std::numeric_limits<std::uint64_t>::max());
   ~input_ledger();
   input_ledger(const input_ledger&) = delete;
   input_ledger& operator=(const input_ledger&) = delete;
@@ -49,6 +51,7 @@ class input_ledger {
   void note(const input_file& f);
 
   keeping what_;
+  std::uint64_t room_bytes_;  // for more contents
   std::vector<input_file> files_;
   std::map<std::filesystem::path, std::shared_ptr<const kept_file>> kept_;  // by absolute path
 };

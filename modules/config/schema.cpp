@@ -21,6 +21,7 @@ using nlohmann::ordered_json;
 
 constexpr std::string_view errata_section = "errata";
 constexpr std::string_view all_errata = "errata.all";
+constexpr std::string_view default_word = "default";
 constexpr std::size_t most_toml_bytes = std::size_t{1} << 20;
 constexpr std::size_t most_shown_bytes = 60;
 
@@ -375,6 +376,7 @@ void schema::set(std::string_view assignment_text) {
   };
   const auto key = component(trimmed(assignment_text.substr(0, equals)), ".");
   const auto text = trimmed(assignment_text.substr(equals + 1));
+  if (text == default_word) return forget_all(key);
   const auto* p = find(key);
   const bool takes_text = p && std::holds_alternative<text_slot>(p->slot);
   toml::table document;
@@ -468,6 +470,19 @@ void schema::forget(std::string_view key) {
   RTU_CHECK(p != nullptr, ==, true);
   store(*p, defaults_.at(p->key));
   given_.erase(p->key);
+}
+
+/// What `KEY=default` of a command line asks for.
+void schema::forget_all(std::string_view key) {
+  if (key == all_errata) {
+    for (const auto& s : sections_)
+      for (const auto& p : s.parameters())
+        if (!p.alias.empty()) forget(p.key);
+  } else if (find(key) != nullptr) {
+    forget(key);
+  } else {
+    throw unknown_key("--set", std::string(key), keys());
+  }
 }
 
 void schema::check_read() const {

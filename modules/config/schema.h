@@ -48,7 +48,8 @@ class schema {
   void read_json(const nlohmann::json& values, const std::string& place);
 
   /// Applies `KEY=VALUE` of a command line; VALUE is TOML, or a bare word for a choice or a text. A text takes anything that is
-  /// not a TOML string as it stands.
+  /// not a TOML string as it stands. The bare word `default` gives a parameter, or all errata, its default again, as if no file had
+  /// named it: what then is not read need not be taken out of a file.
   void set(std::string_view assignment);
 
   /// Gives a parameter its default again, as if no file had named it.
@@ -74,6 +75,7 @@ class schema {
   void note_defaults(const section& s);
   parameter* find(std::string_view key);
   void apply(std::vector<assignment> assignments, const std::set<std::string>* allowed);
+  void forget_all(std::string_view key);
   void set_all_errata(const assignment& a, const std::set<std::string>* allowed);
   void refuse_unknown(const assignment& a, const std::set<std::string>* allowed) const;
   void check_home(const assignment& a, const std::string& section_name, const std::set<std::string>* allowed) const;
