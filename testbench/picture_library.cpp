@@ -18,7 +18,7 @@ void* picture_function(const char* name) {
   void* const function = library != nullptr ? dlsym(library, name) : nullptr;
   if (function == nullptr) {
     const std::string why = dlerror();
-    for (const char* word : {"memory", "failed to map", "cannot allocate"})  // as the loader says it
+    for (const char* word : {"memory", "failed to map", "cannot allocate", "cannot create", "cannot extend"})  // as the loader says it
       if (why.find(word) != std::string::npos) throw std::bad_alloc();
     throw input_error(library_name, why, "it beside the program, as the build leaves it");
   }

@@ -92,7 +92,7 @@ void rerun(const rerun_options& o) {
   run_setup s(nlohmann::json::parse(old["parameters"].dump()), o.record.string(), folder);
   const auto file_of = [&](const char* name) { return place_of(folder, old["inputs"].value(name, "")); };
   const std::filesystem::path job_file = file_of("jobs");
-  config::check_writable_apart({o.statistics}, {s.what.model.model, s.what.model.rays, job_file});
+  config::check_writable_apart({o.statistics}, {o.record, s.what.model.model, s.what.model.rays, job_file});
   const config::input_ledger read;
   const loaded_model model(s);
   model.settle(s);

@@ -1,7 +1,7 @@
 """Lets each call of rtusim's that can fail do so, one a run, and holds what is left against what should be.
 
 Usage: fault_test.py RTUSIM SHIM SOURCE [CALLS]
-CALLS: of each function in each command so many, spread over all that there are; "all" for every one. 8 if left out.
+CALLS: of each function in each command so many, spread over all that there are; "all" for every one. 6 if left out.
 
 After each fault every output is the old file, or none, or the whole new one; all are new when the exit status is 0; else there is one line
 on stderr; no hidden file is left. Besides, a power cut behind an exit status of 0 loses nothing: each output was synced before it got its
@@ -16,19 +16,22 @@ import sys
 import tempfile
 
 program, shim, source = (os.path.abspath(a) for a in sys.argv[1:4])
-most_calls = sys.argv[4] if len(sys.argv) > 4 else "8"
+most_calls = sys.argv[4] if len(sys.argv) > 4 else "6"
 
 design = ["--arch", os.path.join(source, "testbench/architectures/espe2019.toml"), "--set", "frame.width=16", "--set", "frame.height=9"]
 octree = ["--model", os.path.join(source, "testbench/golden/svo/models/dragon_32.svo")]
 cube = os.path.join(source, "testbench/tests/cases/mesh_cube.obj")
 
+scene = f"""[scene]
+model = "{octree[1]}"
+[frame]
+width = 16
+height = 9
+"""
 sweep = f"""[sweep]
+scenes = ["scene.toml"]
 architectures = ["{source}/testbench/architectures/espe2019.toml"]
 record = ["total_cycles"]
-[set]
-"scene.model" = "{source}/testbench/golden/svo/models/dragon_32.svo"
-"frame.width" = 16
-"frame.height" = 9
 [axes]
 "rtu.cores" = [1, 2]
 """
@@ -69,8 +72,9 @@ def start(arguments, folder, **fault):
 
 def prepare(outputs):
     folder = tempfile.mkdtemp(prefix="rtusim-faults-")
-    with open(os.path.join(folder, "sweep.toml"), "w") as f:
-        f.write(sweep)
+    for name, text in (("sweep.toml", sweep), ("scene.toml", scene)):
+        with open(os.path.join(folder, name), "w") as f:
+            f.write(text)
     for name in outputs:
         if os.path.dirname(name) == "":
             with open(os.path.join(folder, name), "w") as f:

