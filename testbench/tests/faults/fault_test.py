@@ -134,7 +134,8 @@ def main():
                     assert ended.returncode in (0, 1, 2), f"exit status {ended.returncode}"
                     if name == "sweep":
                         check_sweep(folder, new[outputs[0]])
-                        is_new = [os.path.exists(os.path.join(folder, outputs[0]))]  # with its failures, which are told as rows
+                        table = os.path.join(folder, outputs[0])
+                        is_new = [os.path.exists(table) and content(table) == new[outputs[0]]]
                     else:
                         found = {o: content(os.path.join(folder, o)) for o in outputs}
                         is_new = [found[o] == new[o] for o in outputs]
