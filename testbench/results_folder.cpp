@@ -1,14 +1,11 @@
 #include "testbench/results_folder.h"
 
 #include <fcntl.h>
-#include <signal.h>
 #include <sys/file.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <cerrno>
-#include <charconv>
 #include <cstring>
 #include <fstream>
 #include <iterator>
@@ -18,6 +15,8 @@
 
 #include "modules/config/durable.h"
 #include "modules/config/error.h"
+#include "modules/config/printable.h"
+#include "modules/config/temporary.h"
 #include "testbench/interrupts.h"
 
 namespace rtusim {
@@ -35,43 +34,11 @@ std::string contents_of(const fs::path& file) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-std::string host_name() {
-  std::array<char, 256> name{};
-  gethostname(name.data(), name.size() - 1);
-  std::string host = name.data();
-  std::replace(host.begin(), host.end(), '/', '_');
-  return host;
-}
-
-/// When a process of this machine began, in the kernel's ticks; none if it can't be told.
-std::optional<std::string> start_of(const std::string& process) {
-  const std::string line = contents_of(fs::path("/proc") / process / "stat");
-  std::size_t at = line.rfind(')');  // behind the program's name, which may hold blanks
-  for (unsigned field = 2; field < 22 && at != std::string::npos; ++field) at = line.find(' ', at + 1);
-  if (at == std::string::npos) return {};
-  return line.substr(at + 1, line.find(' ', at + 1) - at - 1);
-}
-
-bool is_alive(pid_t process, const std::string& start) {
-  if (kill(process, 0) != 0 && errno != EPERM) return false;  // EPERM: another user's
-  const auto now = start_of(std::to_string(process));
-  return !now || *now == start;
-}
-
 /// Whether a name is that of a part that a process of this host, which is no more, left.
-bool is_left_over(const std::string& name, const std::string& host) {
-  const std::string begin = std::string(part_start) + host + '-';
-  if (name.rfind(begin, 0) != 0) return false;
-  pid_t process = 0;
-  const char* const last = name.data() + name.size();
-  const auto [dash, error] = std::from_chars(name.data() + begin.size(), last, process);
-  if (error != std::errc{} || dash == last || *dash != '-' || process <= 0) return false;
-  const std::string rest(dash + 1, last);
-  const std::size_t end = rest.find('-');
-  // Hosts may have dashes in their names, but no process in its start and nothing that it writes.
-  if (end == std::string::npos || end == 0 || rest.find_first_not_of("0123456789") != end || rest.find('-', end + 1) != std::string::npos)
-    return false;
-  return !is_alive(process, rest.substr(0, end));
+bool is_left_over(std::string_view name) {
+  if (name.substr(0, part_start.size()) != part_start) return false;
+  const std::size_t end = name.rfind('-');  // what follows a mark has no dash
+  return end > part_start.size() && config::is_of_dead_process(name.substr(part_start.size(), end - part_start.size()));
 }
 
 const std::string& mark_text() {
@@ -90,7 +57,7 @@ bool is_torn(std::string_view found, std::string_view whole) {
 bool is_own(const fs::directory_entry& e) {
   const std::string name = e.path().filename().string();
   const auto begins = [&](std::string_view with) { return name.compare(0, with.size(), with) == 0; };
-  return begins(part_start) || begins("slurm") || name == "sweep.json" || name == ".lock" || name == "points" || name == "failed" ||
+  return begins(part_start) || begins("slurm") || name == "sweep.json" || name == "lock" || name == "points" || name == "failed" ||
          name == "results.csv" || name == "results.json" || name == "plots";
 }
 
@@ -106,7 +73,7 @@ void with_folder(const fs::path& out, Act&& act) {
 }  // namespace
 
 results_folder::results_folder(std::filesystem::path out, const std::vector<std::string>& images) : out_(std::move(out)), images_(images) {
-  own_ = fmt::format("{}{}-{}-{}-", part_start, host_name(), getpid(), start_of("self").value_or("0"));
+  own_ = fmt::format("{}{}-", part_start, config::process_mark());
   with_folder(out_, [&] {
     fs::create_directories(out_);
     mark();
@@ -124,7 +91,11 @@ void results_folder::mark() const {
   const auto write_mark = [&] {
     const fs::path part = out_ / (own_ + "sweep.json");
     config::write_new_file(part, mark_text());
-    fs::rename(part, file);
+    std::error_code failed;
+    fs::rename(part, file, failed);
+    if (!failed) return;
+    fs::remove(part);
+    throw fs::filesystem_error("rename", part, file, failed);
   };
   if (!fs::exists(file)) {
     // Another machine may just write the mark.
@@ -148,17 +119,17 @@ void results_folder::mark() const {
 }
 
 void results_folder::lock(use how, bool tell) {
-  const fs::path file = out_ / ".lock";
+  const fs::path file = out_ / "lock";
   lock_ = open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666);
   if (lock_ < 0) throw input_error(file.string(), std::strerror(errno), "a folder that can be written");
   const int kind = how == use::whole ? LOCK_EX : LOCK_SH;
   const int error = flock(lock_, kind | LOCK_NB) == 0 ? 0 : errno;
   if (error == EWOULDBLOCK) {
-    if (tell) fmt::print(stderr, "rtusim: waiting for another sweep in {} to end\n", out_.string());
+    if (tell) fmt::print(stderr, "rtusim: waiting for another sweep in {} to end\n", config::printable(out_.string()));
     while (flock(lock_, kind) != 0 && errno == EINTR)
       if (interrupts::came()) throw simulation_error("sweep: interrupted while it waited for another sweep in " + out_.string());
   } else if (error != 0) {
-    fmt::print(stderr, "rtusim: warning: {} lies where no locks are known: one sweep at a time\n", out_.string());
+    fmt::print(stderr, "rtusim: warning: {} lies where no locks are known: one sweep at a time\n", config::printable(out_.string()));
   }
   with_folder(out_, [&] {
     fs::create_directories(out_ / "points");
@@ -175,12 +146,11 @@ void results_folder::unlock() {
 
 /// Removes this process' parts, or those of processes that are no more.
 void results_folder::clean(const std::filesystem::path& folder, bool own) const {
-  const std::string host = host_name();
   std::error_code none;
   for (fs::directory_iterator at(folder, none), end; !none && at != end; at.increment(none)) {
     const std::string name = at->path().filename().string();
     std::error_code ignored;
-    if (own ? name.rfind(own_, 0) == 0 : is_left_over(name, host)) fs::remove_all(at->path(), ignored);
+    if (own ? name.rfind(own_, 0) == 0 : is_left_over(name)) fs::remove_all(at->path(), ignored);
   }
 }
 

@@ -18,6 +18,7 @@
 
 #include "modules/config/durable.h"
 #include "modules/config/error.h"
+#include "modules/config/files.h"
 #include "modules/config/input_ledger.h"
 #include "testbench/interrupts.h"
 #include "testbench/pictures.h"
@@ -122,6 +123,7 @@ worker_report run_point(const sweep_plan& plan, const sweep_task& t, const share
   if (shown)
     shown->finish(figures, std::any_of(plan.images().begin(), plan.images().end(),
                                        [](const std::string& ending) { return shows_places(kind_of("image." + ending)); }));
+  const config::deferred_sync by_batch;
   try {
     const fs::path part = folder.part(t);
     fs::remove_all(part);

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "modules/config/error.h"
+#include "modules/config/printable.h"
 #include "testbench/summary.h"
 
 namespace rtusim {
@@ -160,9 +161,8 @@ std::string failure_text(const std::vector<std::string>& reasons) {
   std::vector<std::pair<std::string, std::size_t>> order(counts.begin(), counts.end());
   std::stable_sort(order.begin(), order.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
   std::string text;
-  const auto add = [&](std::size_t points, std::string why) {
-    std::replace_if(why.begin(), why.end(), [](char c) { return (c >= '\0' && c < ' ') || c == '\x7f'; }, ' ');
-    text += fmt::format("rtusim: {} point{} failed: {}\n", points, points == 1 ? "" : "s", why);
+  const auto add = [&](std::size_t points, const std::string& why) {
+    text += fmt::format("rtusim: {} point{} failed: {}\n", points, points == 1 ? "" : "s", config::printable(why));
   };
   std::size_t left = reasons.size();
   for (std::size_t i = 0; i < std::min(order.size(), most_reasons); ++i) {

@@ -42,13 +42,13 @@ inline std::string text_of(std::FILE* file) {
 }
 
 /// Starts the program in a folder.
-inline pid_t start_rtusim(const scratch_folder& folder, const words& arguments, std::FILE* out, std::FILE* err, const limits& l = {}) {
+inline pid_t start_rtusim(const std::filesystem::path& folder, const words& arguments, std::FILE* out, std::FILE* err, const limits& l = {}) {
   std::string program = RTUSIM_BINARY;
   words copies = arguments;
   std::vector<char*> argv{program.data()};
   for (std::string& a : copies) argv.push_back(a.data());
   argv.push_back(nullptr);
-  const std::string home = (folder / "").string();
+  const std::string home = folder.string();
   const pid_t child = fork();
   if (child != 0) return child;
   const rlimit bytes{l.most_bytes, RLIM_INFINITY}, seconds{60, 60}, memory{l.most_memory, RLIM_INFINITY};  // a loop without end is killed
@@ -65,7 +65,7 @@ inline pid_t start_rtusim(const scratch_folder& folder, const words& arguments, 
 }
 
 /// Runs the program in a folder.
-inline outcome rtusim(const scratch_folder& folder, const words& arguments, const limits& l) {
+inline outcome rtusim(const std::filesystem::path& folder, const words& arguments, const limits& l) {
   using file = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;
   const file out(std::tmpfile(), &std::fclose), err(std::tmpfile(), &std::fclose);
   int status = 0;
@@ -73,7 +73,7 @@ inline outcome rtusim(const scratch_folder& folder, const words& arguments, cons
   return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, text_of(out.get()), text_of(err.get())};
 }
 
-inline outcome rtusim(const scratch_folder& folder, const words& arguments, rlim_t most_bytes = RLIM_INFINITY) {
+inline outcome rtusim(const std::filesystem::path& folder, const words& arguments, rlim_t most_bytes = RLIM_INFINITY) {
   limits l;
   l.most_bytes = most_bytes;
   return rtusim(folder, arguments, l);

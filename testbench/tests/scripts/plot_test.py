@@ -22,8 +22,9 @@ def results(folder, points, **changes):
 
 def point(cores, policy, status="done"):
     figures = {"rays_per_second": 1e6 * min(cores, 6), "checksum": "00ff", "waits.dispatch": 9.0 / cores, "waits.traversal": 13.0}
-    return {"point": f"{cores}{policy}", "scene": "a.toml", "architecture": "", "axes": {"rtu.cores": str(cores), "scheduler.policy": policy},
-            "status": status, "reason": "", "figures": figures if status == "done" else {}}
+    axes = {"rtu.cores": cores, "scheduler.policy": policy, "camera.target": [0, 1, 0.5], "driver.norm": True}
+    return {"point": f"{cores}{policy}", "scene": "a.toml", "architecture": "", "axes": axes, "status": status, "reason": "",
+            "figures": figures if status == "done" else {}}
 
 
 with tempfile.TemporaryDirectory() as scratch:
@@ -40,6 +41,8 @@ with tempfile.TemporaryDirectory() as scratch:
             ("no column ray_per_second; expected rays_per_second", good, "axis", "rtu.cores", "ray_per_second"),
             ("checksum, which is no number", good, "axis", "rtu.cores", "checksum"),
             ("rtu.cores is 3 everywhere", good, "knee", "--where", "rtu.cores=3"),
+            ("camera.target=[ 0, 1, 0.5 ]", good, "knee", "--where", "camera.target=[0, 1, 0.5]"),
+            ("driver.norm=true", good, "knee", "--where", "driver.norm=True"),
             ("scheduler.policy=round_robin", good, "knee", "--where", "scheduler.policy=round_robbin"),
             ("no picture of a point", good, "sheet"),
             ("a name that ends in .png or .svg", good, "knee", "--out", "knee.pdf"),

@@ -18,83 +18,14 @@
 
 #include "testbench/tests/program.h"
 #include "testbench/tests/scratch.h"
+#include "testbench/tests/sweep_folder.h"
 
 namespace rtusim {
 namespace {
 
 namespace fs = std::filesystem;
 using Catch::Contains;
-using test::bytes_of;
-using test::outcome;
-using test::rtusim;
-using test::scratch_folder;
-using test::words;
-
-const std::string models = RTUSIM_SOURCE_DIR "/testbench/golden/svo/models/";
-const std::string header = "[sweep]\nscenes = [\"scene.toml\"]\n";
-
-/// A folder with scenes of 144 rays.
-struct sweep_folder : scratch_folder {
-  sweep_folder() {
-    for (const auto& [name, model] : {std::pair{"scene.toml", "dragon_32"}, {"other.toml", "dragon_8"}})
-      file(name, fmt::format("[scene]\nmodel = \"{}{}.svo\"\n[frame]\nwidth = 16\nheight = 9\n", models, model));
-    file("mesh.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
-    file("mesh.toml", "[scene]\nmodel = \"mesh.obj\"\n[frame]\nwidth = 16\nheight = 9\n");
-  }
-  /// Runs a sweep of these lines into `out`.
-  outcome sweep(const std::string& lines, const std::string& out = "out", words also = {}) const {
-    file("sweep.toml", lines);
-    also.insert(also.begin(), {"sweep", "sweep.toml", "--out", out});
-    return rtusim(*this, also);
-  }
-};
-
-using row = std::map<std::string, std::string>;
-
-/// The rows of a table by column; no field of these tables has a line's end.
-std::vector<row> rows_of(const fs::path& file) {
-  std::vector<std::vector<std::string>> lines;
-  std::string field;
-  std::vector<std::string> line;
-  bool quoted = false;
-  for (const char c : bytes_of(file)) {
-    if (c == '"') {
-      quoted = !quoted;
-    } else if ((c == ',' || c == '\n') && !quoted) {
-      line.push_back(std::exchange(field, ""));
-      if (c == '\n') lines.push_back(std::exchange(line, {}));
-    } else {
-      field += c;
-    }
-  }
-  std::vector<row> rows;
-  for (std::size_t i = 1; i < lines.size(); ++i) {
-    REQUIRE(lines[i].size() == lines[0].size());
-    row& r = rows.emplace_back();
-    for (std::size_t j = 0; j < lines[i].size(); ++j) r[lines[0][j]] = lines[i][j];
-  }
-  return rows;
-}
-
-std::vector<std::string> column(const fs::path& file, const std::string& name) {
-  std::vector<std::string> values;
-  for (row& r : rows_of(file)) values.push_back(r.at(name));
-  return values;
-}
-
-/// When each point's result was written.
-std::map<std::string, fs::file_time_type> times(const scratch_folder& folder, const std::string& out = "out") {
-  std::map<std::string, fs::file_time_type> all;
-  for (const auto& entry : fs::directory_iterator(folder / (out + "/points"))) {
-    CHECK(entry.path().filename().string()[0] != '.');
-    all[entry.path().filename().string()] = fs::last_write_time(entry.path() / "stats.json");
-  }
-  return all;
-}
-
-void check_same_tables(const scratch_folder& folder, const std::string& a, const std::string& b) {
-  for (const char* name : {"/results.csv", "/results.json"}) CHECK(bytes_of(folder / (a + name)) == bytes_of(folder / (b + name)));
-}
+using namespace test;
 
 TEST_CASE("sweep: every point has its row, in the order of the file, whatever the workers", "[testbench]") {
   const sweep_folder folder;
@@ -129,7 +60,7 @@ TEST_CASE("sweep: every point has its row, in the order of the file, whatever th
       }
   const auto json = nlohmann::json::parse(bytes_of(folder / "one/results.json"));
   CHECK(json["points"].size() == 16);
-  CHECK(json["points"][3]["axes"]["rtu.cores"] == "2");
+  CHECK(json["points"][3]["axes"]["rtu.cores"] == 2);
   CHECK(json["columns"]["rays_per_second"]["unit"] == "1/s");
   CHECK(json["columns"]["rtu.cores"]["unit"] == "cores");
   CHECK(json["columns"]["channels.result.starved"]["unit"] == "cycles");
@@ -163,7 +94,7 @@ TEST_CASE("sweep: ranges with step and factor, whole and real, and what a constr
   CHECK(values("rtu.cores", "{from = 1, to = 30, factor = 3}") == "1 3 9 27");
   CHECK(values("rtu.clock_mhz", "{from = 0.1, to = 0.3, step = 0.1}") == "0.1 0.2 0.3");
   CHECK(values("rtu.clock_mhz", "{from = 100, to = 400, factor = 1.5}") == "100 150 225 337.5");
-  CHECK(values("camera.position", "[[1000, 800.5, 600.0], [2000, 800, 600]]").substr(0, 5) == "[ 100");
+  CHECK(values("camera.position", "[[-0.5, 0.35, -2.1], [1, 1e-3, 2.0]]") == "[ -0.5, 0.35, -2.1 ] [ 1, 0.001, 2 ]");
 
   const auto kept = [&](const std::string& constraint) {
     const outcome o = folder.sweep(header + "record = [\"rays\"]\nconstraints = [" + constraint +
@@ -250,13 +181,17 @@ TEST_CASE("sweep: killed in its middle, it goes on with what is missing", "[test
 TEST_CASE("sweep: a point that fails is a row with its reason", "[testbench]") {
   const sweep_folder folder;
   const auto reasons = [&](const std::string& lines) {
-    CHECK_THAT(folder.sweep(header + lines).out, Contains(", 1 failed"));
+    const outcome o = folder.sweep(header + lines);
+    CHECK(o.status == 1);
+    CHECK_THAT(o.out, Contains(", 1 failed"));
     std::string all;
     for (const row& r : rows_of(folder / "out/results.csv")) {
       CHECK(r.at("status") == (r.at("reason").empty() ? "done" : "failed"));
       CHECK(r.at("rays").empty() != r.at("reason").empty());
+      if (!r.at("reason").empty()) CHECK_THAT(o.err, Catch::StartsWith("rtusim: 1 point failed: " + r.at("reason") + "\n"));
       all += r.at("reason") + "|";
     }
+    CHECK_THAT(o.err, Contains("\nrtusim: sweep: 1 of 2 points failed; "));
     return all;
   };
   CHECK(reasons("[axes]\n\"rtu.cores\" = [0, 1]\n") ==
@@ -265,9 +200,22 @@ TEST_CASE("sweep: a point that fails is a row with its reason", "[testbench]") {
              Catch::StartsWith("|") && Contains("expected at most 3, for a stack of 2|"));
   CHECK_THAT(reasons("[set]\n\"watchdog.cycles\" = 1000\n[axes]\n\"sink.ready\" = [\"never\", \"always\"]\n"),
              Contains("no transfer in the 1000 cycles behind cycle ") && Catch::EndsWith("||"));
-  // It is tried again the next time, and only it.
-  CHECK_THAT(folder.sweep(header + "[axes]\n\"rtu.cores\" = [0, 1]\n").out, Contains("2 points: 1 run now, 1 there before, 1 failed"));
+  // It is tried again only if that is asked for, and only it; the rest is there.
+  const std::string never = "[set]\n\"watchdog.cycles\" = 1000\n[axes]\n\"sink.ready\" = [\"never\", \"always\"]\n";
+  CHECK_THAT(folder.sweep(header + never).out, Contains("2 points: 0 run now, 1 there before, 1 failed"));
+  const std::string table = bytes_of(folder / "out/results.csv");
+  const outcome retried = folder.sweep(header + never, "out", {"--retry-failed"});
+  CHECK(retried.status == 1);
+  CHECK_THAT(retried.out, Contains("2 points: 1 run now, 1 there before, 1 failed"));
+  CHECK(bytes_of(folder / "out/results.csv") == table);
   CHECK_THAT(folder.sweep(header + "record = [\"hits\"]\n[axes]\n\"rtu.cores\" = [0]\n").out, Contains("1 failed"));
+
+  // The reasons by their frequency, also where nothing else is told.
+  const outcome many = folder.sweep(header + "[axes]\n\"svo_core.stack_depth\" = [2, 11]\n\"rtu.cores\" = [0, 1, 2, 2000]\n", "many", {"--quiet"});
+  CHECK(many.status == 1);
+  CHECK(many.out.empty());
+  CHECK_THAT(many.err, Contains("rtusim: 2 points failed: --set: rtu.cores = 0; ") && Contains("rtusim: 2 points failed: --set: rtu.cores = 2000; ") &&
+                           Contains("for a stack of 2\n") && Catch::EndsWith("sweep: 6 of 8 points failed; those that were run are run again with --retry-failed\n"));
 }
 
 TEST_CASE("sweep: a point that can't be written, memory that is too small, and a full disk", "[testbench]") {
@@ -277,9 +225,8 @@ TEST_CASE("sweep: a point that can't be written, memory that is too small, and a
   tight.most_bytes = 2000;
   tight.file_signal = true;
   const outcome died = rtusim(folder, {"sweep", "sweep.toml", "--out", "died"}, tight);
-  CHECK_THAT(died.out, Contains("2 points: 2 run now, 0 there before, 2 failed"));
-  for (const row& r : rows_of(folder / "died/results.csv"))
-    CHECK_THAT(r.at("reason"), Contains("stats.json: File too large"));
+  CHECK(died.status == 2);
+  CHECK_THAT(died.err, Contains("died: a result that could not be written (") && Contains("stats.json: File too large"));
   CHECK(times(folder, "died").empty());
   CHECK_THAT(rtusim(folder, {"sweep", "sweep.toml", "--out", "died"}).out, Contains("2 points: 2 run now, 0 there before, in"));
 
@@ -326,10 +273,11 @@ TEST_CASE("sweep: triangle cores are simulated, and run again to the byte", "[te
   for (const std::string& point : column(folder / "out/results.csv", "point")) {
     const std::string stats = "out/points/" + point + "/stats.json";
     CHECK(nlohmann::json::parse(bytes_of(folder / stats))["simulator"]["pace"] == "skipping");
-    const outcome again = rtusim(folder, {"rerun", stats, "--stats", "again.json"});
+    const std::string beside = "out/points/" + point + "/again.json";
+    const outcome again = rtusim(folder, {"rerun", stats, "--stats", beside});
     CHECK(again.status == 0);
     CHECK_THAT(again.out, Catch::StartsWith("the same figures again: "));
-    CHECK(bytes_of(folder / stats) == bytes_of(folder / "again.json"));
+    CHECK(bytes_of(folder / stats) == bytes_of(folder / beside));
   }
 }
 
@@ -385,6 +333,40 @@ TEST_CASE("rerun: the same bytes again, and no other model's", "[testbench]") {
   const outcome other = rtusim(folder, {"rerun", "old.json"});
   CHECK(other.status == 2);
   CHECK_THAT(other.err, Contains("old.json: inputs.model_crc32 = ") && Contains("of what lies there now"));
+}
+
+TEST_CASE("Records name files from their own folder, and are found from everywhere", "[testbench]") {
+  const sweep_folder folder;
+  for (const char* sub : {"a", "b", "b/c"}) fs::create_directories(folder / sub);
+  fs::copy_file(models + "dragon_8.svo", folder / "a/model.svo");
+  folder.file("a/scene.toml", "[scene]\nmodel = \"model.svo\"\n[frame]\nwidth = 16\nheight = 9\n");
+  const auto run = [&](const std::string& from, const std::string& scene, const std::string& stats) {
+    words w{"run", scene, "--stats", stats, "--pace", "replay", "--quiet"};
+    CHECK(test::rtusim(folder / from, w).status == 0);
+  };
+  const auto inputs = [&](const char* file) { return nlohmann::json::parse(bytes_of(folder / file))["inputs"]; };
+  run("", "a/scene.toml", "b/here.json");
+  run("b/c", "../../a/scene.toml", "../there.json");
+  CHECK(inputs("b/here.json") == inputs("b/there.json"));
+  CHECK(inputs("b/here.json")["scene"] == "../a/scene.toml");
+  CHECK(inputs("b/here.json")["model"] == "../a/model.svo");
+  CHECK(nlohmann::json::parse(bytes_of(folder / "b/here.json"))["parameters"]["scene"]["model"] == "../a/model.svo");
+  run("", "a/scene.toml", "b/c/deeper.json");
+  CHECK(inputs("b/c/deeper.json")["model"] == "../../a/model.svo");
+  CHECK(rtusim(folder, {"diff", "b/here.json", "b/c/deeper.json"}).out == "no difference\n");
+  fs::copy_file(folder / "a/model.svo", folder / "b/model.svo");
+  folder.file("b/scene.toml", bytes_of(folder / "a/scene.toml"));
+  run("b", "scene.toml", "other.json");
+  CHECK_THAT(rtusim(folder, {"diff", "b/here.json", "b/other.json"}).out, Contains("  model ") && Contains("/a/model.svo"));
+
+  // Run again from another folder, into the same one and into another.
+  CHECK(test::rtusim(folder / "a", {"rerun", "../b/here.json", "--stats", "../b/again.json", "--quiet"}).status == 0);
+  CHECK(bytes_of(folder / "b/again.json") == bytes_of(folder / "b/here.json"));
+  CHECK(rtusim(folder, {"rerun", "b/here.json", "--stats", "moved.json"}).status == 0);
+  CHECK(inputs("moved.json")["model"] == "a/model.svo");
+  CHECK(test::rtusim(folder / "b", {"rerun", "../moved.json"}).status == 0);
+  fs::create_symlink("b/here.json", folder / "link.json");
+  CHECK(rtusim(folder, {"rerun", "link.json"}).status == 0);
 }
 
 TEST_CASE("diff: what differs in design and in result", "[testbench]") {

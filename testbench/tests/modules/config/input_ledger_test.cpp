@@ -68,6 +68,18 @@ TEST_CASE("A zipped file is noted as it lies there") {
   CHECK(ledger.files().at(0).bytes == fs::file_size(file));
 }
 
+TEST_CASE("A ledger keeps no more bytes than it may, and notes the rest") {
+  const scratch_folder folder;
+  const fs::path large = folder.file("large", "123456"), small = folder.file("small", "1234"), last = folder.file("last", "12");
+  const input_ledger keeper(input_ledger::keeping::bytes, 5);
+  for (const fs::path& file : {large, small, last}) read_file(file);
+  for (const char* name : {"large", "small", "last"}) folder.file(name, "new");
+  CHECK(read_file(large) == "new");
+  CHECK(read_file(small) == "1234");
+  CHECK(read_file(last) == "new");
+  CHECK(keeper.files().size() == 5);  // two of them twice
+}
+
 TEST_CASE("A ledger that keeps bytes gives the same file again, whatever became of it") {
   const scratch_folder folder;
   const fs::path replaced = folder.file("replaced", "one"), removed = folder.file("removed", "two");

@@ -381,6 +381,24 @@ TEST_CASE("check_read refuses a value that this design does not read") {
         "--set: source.gap_cycles is not read by this design; expected it only when source.valid = gap");
 }
 
+TEST_CASE("set takes back what a file gave") {
+  bench b;
+  b.read("[rtu]\ncores = 9\ncore = 'bih'\n[svo_core]\nno_push = true\nfar_popcount = true\n[source]\nvalid = 'gap'\ngap_cycles = 5\n"
+         "[scene]\nmodel = 'bunny.svo'\n[camera]\nposition = [1, 2, 3]\n",
+         {"rtu", "svo_core", "source", "scene", "camera"});
+  for (const char* text : {"rtu.cores=default", "rtu.core = default", "errata.no_push=default", "source.valid=default", "source.gap_cycles=default",
+                           "scene.model=default", "camera.position=default"})
+    b.all.set(text);
+  b.all.check_read();  // the gap, too, is as if it had not been given
+  CHECK(b.svo_core.far_popcount);
+  b.all.set("errata.all=default");
+  CHECK(b.all.values() == bench().all.values());
+  b.all.set("scene.model='default'");
+  CHECK(b.scene.model == "default");
+  CHECK(set_error("rtu.corse=default") == "--set: unknown key rtu.corse; expected rtu.cores");
+  CHECK(set_error("rtu.cores='default'") == "--set: rtu.cores = \"default\"; expected a whole number from 1 to 1024 cores");
+}
+
 TEST_CASE("The record of the values holds what is read, and sets it again") {
   bench b;
   CHECK(b.all.values() == ordered_json::parse(R"({
