@@ -15,6 +15,7 @@
 #include <nlohmann/json.hpp>
 
 #include "modules/config/error.h"
+#include "modules/config/json.h"
 #include "scenes/binary.h"
 #include "scenes/quotation.h"
 #include "scenes/words.h"
@@ -24,7 +25,6 @@ namespace {
 
 using nlohmann::json;
 
-constexpr int most_json_levels = 32;
 constexpr unsigned most_node_levels = 256;
 constexpr std::uint64_t most_number = 0x7fffffff;
 constexpr std::uint64_t most_buffer_bytes = std::uint64_t{1} << 30;
@@ -32,28 +32,9 @@ constexpr std::uint64_t most_without_bytes = 1 << 20;  // elements of an accesso
 
 // --- JSON ---
 
-// The deepest nesting of arrays and objects in a JSON text.
-int nesting(std::string_view text) {
-  int depth = 0, deepest = 0;
-  bool in_string = false;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const char c = text[i];
-    if (in_string) {
-      if (c == '\\') ++i;
-      in_string = c != '"';
-    } else if (c == '"') {
-      in_string = true;
-    } else if (c == '[' || c == '{') {
-      deepest = std::max(deepest, ++depth);
-    } else if (c == ']' || c == '}') {
-      --depth;
-    }
-  }
-  return deepest;
-}
-
 json parse_json(std::string_view text, const std::string& place) {
-  if (nesting(text) > most_json_levels) throw input_error(place, "deeply nested JSON", fmt::format("at most {} levels", most_json_levels));
+  if (config::json_levels(text) > config::most_json_levels)
+    throw input_error(place, "deeply nested JSON", fmt::format("at most {} levels", config::most_json_levels));
   try {
     return json::parse(without_mark(text));
   } catch (const json::parse_error& e) {

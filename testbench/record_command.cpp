@@ -10,6 +10,7 @@
 #include "modules/config/error.h"
 #include "modules/config/files.h"
 #include "modules/config/input_ledger.h"
+#include "modules/config/json.h"
 #include "modules/config/printable.h"
 #include "testbench/job_file.h"
 #include "testbench/record_paths.h"
@@ -23,7 +24,9 @@ namespace {
 using json = nlohmann::ordered_json;
 
 json read_record(const std::filesystem::path& file) {
-  const json all = json::parse(config::read_file(file), nullptr, false);
+  const std::string text = config::read_file(file);
+  const bool is_deep = config::json_levels(text) > config::most_json_levels;
+  const json all = is_deep ? json() : json::parse(text, nullptr, false);
   const auto expected = fmt::format("a statistics file of version {}, as `rtusim run --stats` writes it", run_record::version);
   if (!all.is_object() || !all.contains("format") || all["format"] != "rtusim statistics")
     throw input_error(file.string(), "no statistics file", expected);

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
-#include <regex>
 #include <sstream>
 
 #include <fmt/format.h>
@@ -19,6 +18,7 @@ namespace rtusim {
 namespace {
 
 constexpr std::uint64_t most_file_bytes = std::uint64_t{1} << 20;
+constexpr std::size_t most_shown_bytes = 60;
 constexpr std::uint64_t usual_limit = 10'000, greatest_limit = 1'000'000;
 
 const std::vector<std::string>& usual_record() {
@@ -55,8 +55,16 @@ std::string shown(const nlohmann::ordered_json& value) {
 
 /// The figure that stands for a column in `all_figures`: all cores have the same, and all channels.
 std::string representative(const std::string& column) {
-  static const std::regex core("^core_[0-9]+"), channel("^channels\\.[^.]+");
-  return std::regex_replace(std::regex_replace(column, core, "core_0"), channel, "channels.job");
+  constexpr std::string_view core = "core_", channel = "channels.";
+  if (column.rfind(core, 0) == 0) {
+    const std::size_t end = std::min(column.find_first_not_of("0123456789", core.size()), column.size());
+    if (end != core.size()) return "core_0" + column.substr(end);
+  }
+  if (column.rfind(channel, 0) == 0) {
+    const std::size_t end = std::min(column.find('.', channel.size()), column.size());
+    if (end != channel.size()) return "channels.job" + column.substr(end);
+  }
+  return column;
 }
 
 /// Whether `key` is `group` or in it.
@@ -242,7 +250,8 @@ class sweep_reader {
       names.push_back(e.key);
     }
     const std::string near = config::nearest(figure, names);
-    fail(node, "no figure " + figure, near.empty() ? "one that 'rtusim explain statistics' lists, without \"statistics.\"" : near);
+    fail(node, "no figure " + figure.substr(0, most_shown_bytes),
+         near.empty() ? "one that 'rtusim explain statistics' lists, without \"statistics.\"" : near);
   }
 
   static sweep_plan::value value_of(const std::string& key, const nlohmann::ordered_json& typed) {

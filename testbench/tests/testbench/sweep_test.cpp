@@ -384,6 +384,13 @@ TEST_CASE("diff: what differs in design and in result", "[testbench]") {
                         Contains("  core_1.jobs ") && !Contains("inputs") && !Contains("simulator"));
   folder.file("text.json", "{\"format\": 3}");
   CHECK_THAT(rtusim(folder, {"diff", "a.json", "text.json"}).err, Contains("text.json: no statistics file"));
+  // As deep as only a file that is meant to break its reader.
+  std::string deep = bytes_of(folder / "a.json");
+  const std::size_t at = deep.find("\"parameters\": ") + 14;
+  deep.insert(at, std::string(100'000, '[') + std::string(100'000, ']') + ',');
+  folder.file("deep.json", deep);
+  CHECK_THAT(rtusim(folder, {"diff", "a.json", "deep.json"}).err, Contains("deep.json: no statistics file"));
+  CHECK_THAT(rtusim(folder, {"rerun", "deep.json"}).err, Contains("deep.json: no statistics file"));
   CHECK_THAT(rtusim(folder, {"diff", "a.json"}).err, Contains("diff: B.json is required"));
 }
 
@@ -423,6 +430,8 @@ TEST_CASE("sweep: a file, a folder or an option that can't be used is refused in
       {header + "images = [\"cots.png\"]\n", "unknown kind of picture \"cots\""},
       {header + "record = [\"rays_per_secnd\"]\n", "sweep.toml:3: no figure rays_per_secnd; expected rays_per_second"},
       {header + "record = [\"rays\", \"wait\"]\n", "sweep.toml:3: no figure wait; expected waits"},
+      {header + "record = [\"channel." + std::string(300'000, 'a') + "\"]\n", "no figure channel.aaaaaaaa"},
+      {header + "record = [\"channels." + std::string(300'000, 'a') + "\"]\n", "aaaaaaaa, which no point has"},
       {header + "record = [\"channels.jbo\"]\n", "sweep.record: channels.jbo, which no point has"},
       {header + "constraints = [\"rtu.coress > 3\"]\n", "sweep.toml:3: \"rtu.coress > 3\": "},
       {header + "constraints = [\"rtu.cores >\"]\n", "sweep.toml:3: \"rtu.cores >\": "},
