@@ -13,11 +13,17 @@ namespace rtusim {
 /// A text without the byte order mark of UTF-8 that some editors put before it.
 std::string_view without_mark(std::string_view text);
 
+/// A number's word without its plus sign, which `std::from_chars` does not know; "+-1" stays what it is.
+inline std::string_view without_plus(std::string_view word) {
+  if (word.size() > 1 && word[0] == '+' && word[1] != '-') word.remove_prefix(1);
+  return word;
+}
+
 /// The number that a word is, whatever the locale: decimal, with or without sign, point and exponent. Real ones round to nearest; what is
 /// too small becomes 0 and what is too large infinite; "nan" and "inf" are numbers. Nothing if the word is anything else.
 template <class Number>
 std::optional<Number> number_in(std::string_view word) {
-  if (word.size() > 1 && word[0] == '+' && word[1] != '-') word.remove_prefix(1);
+  word = without_plus(word);
   const char* const last = word.data() + word.size();
   Number value{};
   auto [end, status] = std::from_chars(word.data(), last, value);

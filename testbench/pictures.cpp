@@ -6,9 +6,11 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "modules/config/error.h"
 #include "modules/config/files.h"
+#include "modules/config/schema.h"
 #include "testbench/picture_library.h"
 #include "testbench/picture_writer.h"
 
@@ -44,10 +46,16 @@ picture_kind kind_of(const std::filesystem::path& file) {
   const std::string ending = lower_case(file.extension().string());
   if (ending == ".exr") return picture_kind::layers;
   if (ending != ".png") throw input_error(file.string(), "no picture format that we write", known_names);
-  const std::string word = file.stem().extension().string();
-  for (const auto& [known, kind] : words)
+  const std::string word = lower_case(file.stem().extension().string());
+  std::vector<std::string> kinds;
+  for (const auto& [known, kind] : words) {
     if (word == known) return kind;
-  throw input_error(file.string(), fmt::format("unknown kind of picture \"{}\"", word.substr(1)), known_names);
+    kinds.emplace_back(known);
+  }
+  const std::string near = config::nearest(word, kinds);
+  if (near.empty()) return picture_kind::shaded;
+  throw input_error(file.string(), fmt::format("unknown kind of picture \"{}\"", word.substr(1)),
+                    fmt::format("NAME{}.png, or another name", near));
 }
 
 bool shows_places(picture_kind kind) {

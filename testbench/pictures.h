@@ -25,7 +25,8 @@ enum class picture_kind : std::uint8_t {
 };
 
 /// The kind that a file name asks for. Call it before the simulation, so that a mistyped name costs no run.
-/// Errors: input_error for an ending other than .png and .exr (in either case), and for NAME.WORD.png with an unknown WORD.
+/// Upper and lower case are the same. A WORD of NAME.WORD.png that is no kind belongs to the picture's name.
+/// Errors: input_error for an ending other than .png and .exr, and for a WORD that is nearly a kind.
 picture_kind kind_of(const std::filesystem::path& file);
 
 /// Whether the kind shows more with `frame::places`.

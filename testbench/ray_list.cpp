@@ -9,6 +9,7 @@
 #include "modules/config/endings.h"
 #include "modules/config/error.h"
 #include "modules/config/files.h"
+#include "scenes/words.h"
 #include "testbench/csv.h"
 
 namespace rtusim {
@@ -20,6 +21,7 @@ float& component(ray_list::ray& r, std::size_t i) { return i < 3 ? r.origin[i] :
 
 /// The nearest binary32. False for what is no number or beyond its range; what is too small for it is 0.
 bool read_component(std::string_view text, float& value) {
+  text = without_plus(text);
   const char* const last = text.data() + text.size();
   const auto [end, error] = std::from_chars(text.data(), last, value);
   if (error != std::errc::result_out_of_range) return error == std::errc{} && end == last;

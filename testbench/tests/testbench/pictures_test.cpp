@@ -160,16 +160,22 @@ TEST_CASE("frame: t_hit in world units at other precisions") {
 
 TEST_CASE("pictures: the kind by the file's name") {
   const std::vector<std::pair<const char*, picture_kind>> known{
-      {"x.png", picture_kind::shaded},        {"a/b.c/x.png", picture_kind::shaded}, {"x.PNG", picture_kind::shaded},
-      {"x.cost.png", picture_kind::cost},     {"a.b.cost.png", picture_kind::cost},  {"x.depth.png", picture_kind::depth},
-      {"x.exr", picture_kind::layers},        {"x.v2.exr", picture_kind::layers},    {"x.lit.png", picture_kind::lit},
-      {"x.normal.png", picture_kind::normal}, {"x.heat.png", picture_kind::heat},    {"x.latency.png", picture_kind::latency},
-      {"x.wait.png", picture_kind::wait},     {"x.core.png", picture_kind::core},    {"x.model.png", picture_kind::model},
-      {"x.sheet.png", picture_kind::sheet},
+      {"x.png", picture_kind::shaded},        {"a/b.c/x.png", picture_kind::shaded},  {"x.PNG", picture_kind::shaded},
+      {"x.cost.png", picture_kind::cost},     {"a.b.cost.png", picture_kind::cost},   {"x.depth.png", picture_kind::depth},
+      {"x.exr", picture_kind::layers},        {"x.v2.exr", picture_kind::layers},     {"x.lit.png", picture_kind::lit},
+      {"x.normal.png", picture_kind::normal}, {"x.heat.png", picture_kind::heat},     {"x.latency.png", picture_kind::latency},
+      {"x.wait.png", picture_kind::wait},     {"x.core.png", picture_kind::core},     {"x.model.png", picture_kind::model},
+      {"x.sheet.png", picture_kind::sheet},   {"X.DEPTH.PNG", picture_kind::depth},   {"my.render.png", picture_kind::shaded},
+      {"x.0001.png", picture_kind::shaded},   {"x.cost.b.png", picture_kind::shaded}, {"x..png", picture_kind::shaded},
   };
   for (const auto& [name, kind] : known) CHECK(kind_of(name) == kind);
-  for (const char* name : {"x.jpg", "x", "", ".png", "x.png.gz", "x.dept.png", "x.cost.b.png", "png", "x.exr/"})
+  for (const char* name : {"x.jpg", "x", "", ".png", "x.png.gz", "png", "x.exr/"})
     CHECK_THROWS_WITH(kind_of(name), Catch::Contains("NAME.cost.png") && Catch::Contains("NAME.exr"));
+  const std::pair<const char*, const char*> nearly[] = {
+      {"x.dept.png", "NAME.depth.png"}, {"x.Cots.png", "NAME.cost.png"}, {"x.sheets.png", "NAME.sheet.png"}, {"x.lti.png", "NAME.lit.png"}};
+  for (const auto& [name, meant] : nearly)
+    CHECK_THROWS_WITH(kind_of(name),
+                      Catch::Contains("unknown kind of picture") && Catch::EndsWith(std::string(meant) + ", or another name"));
 }
 
 TEST_CASE("pictures: shaded by the normal's axis, misses white, nothing black") {

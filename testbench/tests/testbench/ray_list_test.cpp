@@ -88,6 +88,19 @@ TEST_CASE("ray list: a table's columns in any order, words that are no number, w
   }
 }
 
+TEST_CASE("ray list: a table as a spreadsheet or a script writes it") {
+  const test::scratch_folder folder;
+  const auto rays = rays_of(ray_list(folder.file(
+      "rays.csv", "\xef\xbb\xbf\"ox\", \"oy\", oz , dx, dy, dz\r\n1, +2, -3, \"4\", +5e-1, +1e-60\r\n+inf, 1, 1, 1, 1, 1\r\n\r\n")));
+  REQUIRE(rays.size() == 2);
+  CHECK(rays[0].origin == std::array<float, 3>{1, 2, -3});
+  CHECK(rays[0].direction == std::array<float, 3>{4, 0.5f, 0});
+  CHECK(rays[1].origin[0] == HUGE_VALF);
+  for (const char* bad : {"+-1", "+", "", "1 2", "1;"})
+    CHECK_THROWS_WITH(ray_list(folder.file("bad.csv", "ox,oy,oz,dx,dy,dz\n1,1,1,1,1," + std::string(bad) + "\n")),
+                      Catch::Contains("bad.csv:2: dz = \"" + std::string(bad) + "\"; expected a number within binary32, inf or nan"));
+}
+
 TEST_CASE("ray list: little-endian words") {
   const test::scratch_folder folder;
   const std::string bytes("\0\0\x80\x3f\0\0\0\xc0\0\0\0\0\0\0\xc0\x7f\0\0\x80\x7f\0\0\x80\xbf", 24);
