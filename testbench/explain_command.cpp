@@ -1,6 +1,7 @@
 #include "testbench/explain_command.h"
 
-#include <algorithm>
+#include <functional>
+#include <string>
 #include <vector>
 
 #include <fmt/format.h>
@@ -25,35 +26,55 @@ std::vector<config::report::entry> statistics_entries() {
   return all;
 }
 
+std::string figures_text(const std::vector<config::report::entry>& entries, const std::function<bool(const std::string&)>& is_wanted) {
+  std::string text;
+  for (const auto& e : entries)
+    if (is_wanted(e.key)) text += fmt::format("{}{}\n    {}\n", e.key, e.unit.empty() ? "" : "  [" + e.unit + "]", e.meaning);
+  return text;
+}
+
+/// What an unknown key may have been meant for: a figure, or a component of one's key.
+std::string nearest_figure(const std::string& key, const std::vector<config::report::entry>& entries) {
+  std::vector<std::string> names;
+  for (const auto& e : entries) names.push_back(e.key);
+  for (const auto& e : entries)
+    for (std::size_t dot = e.key.find('.'); dot != std::string::npos; dot = e.key.find('.', dot + 1))
+      names.push_back(e.key.substr(dot + 1, e.key.find('.', dot + 1) - dot - 1));
+  return config::nearest(key, names);
+}
+
 }  // namespace
 
 std::string explain_text(const std::string& key) {
-  const bool figure = key.rfind("statistics", 0) == 0 || key.rfind("simulator", 0) == 0;
+  const auto entries = statistics_entries();
+  const auto begins = [&key](const std::string& k) {
+    return key.empty() || (k.rfind(key, 0) == 0 && (k.size() == key.size() || k[key.size()] == '.'));
+  };
+  const auto holds = [&key](const std::string& k) { return k.find(key) != k.npos; };
+  std::string figures = figures_text(entries, begins);
+  if (!key.empty() && !figures.empty()) return figures;
+
+  design d;
+  surroundings around;
+  scene what;
+  config::schema parameters;
+  d.describe(parameters);
+  around.describe(parameters);
+  what.describe(parameters);
   std::string text;
-  if (!figure) {
-    design d;
-    surroundings around;
-    scene what;
-    config::schema parameters;
-    d.describe(parameters);
-    around.describe(parameters);
-    what.describe(parameters);
+  try {
     text = parameters.explain(key);
     if (!key.empty()) return text;
-    text += "\nFigures of the statistics file:\n\n";
+  } catch (const input_error&) {
+    text = parameters.explain_all_with(key);
+    figures = figures_text(entries, holds);
+    if (text.empty() && figures.empty()) {
+      const std::string near = nearest_figure(key, entries);
+      if (near.empty()) throw;
+      throw input_error("explain", "no figure " + key, near);
+    }
   }
-  std::vector<std::string> names;
-  std::string figures;
-  const auto entries = statistics_entries();
-  for (const auto& e : entries) {
-    names.push_back(e.key);
-    const bool inside = e.key.rfind(key, 0) == 0 && (e.key.size() == key.size() || e.key[key.size()] == '.');
-    if (key.empty() || inside) figures += fmt::format("{}{}\n    {}\n", e.key, e.unit.empty() ? "" : "  [" + e.unit + "]", e.meaning);
-  }
-  if (figures.empty()) {
-    const std::string near = config::nearest(key, names);
-    throw input_error("explain", "no figure " + key, near.empty() ? "one that 'rtusim explain statistics' lists" : near);
-  }
+  if (!text.empty() && !figures.empty()) text += "\nFigures of the statistics file:\n\n";
   return text + figures;
 }
 

@@ -4,8 +4,9 @@
 
 namespace rtusim {
 
-/// Every parameter and every figure of the statistics file whose key begins with `key` (all when empty).
-/// Errors: input_error that names the nearest key when none does.
+/// Every parameter and every figure of the statistics file whose key begins with `key` (all when empty); if none does, those whose key
+/// holds it anywhere.
+/// Errors: input_error that names the nearest key when there are none.
 std::string explain_text(const std::string& key);
 
 }  // namespace rtusim

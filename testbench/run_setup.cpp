@@ -58,6 +58,11 @@ std::uint32_t crc32_of(const void* data, std::size_t bytes, std::uint32_t before
   return static_cast<std::uint32_t>(crc32_z(before, static_cast<const Bytef*>(data), bytes));
 }
 
+/// A model is the likeliest file to be given in place of another.
+void check_is_no_model(const std::filesystem::path& file, const char* expected) {
+  if (is_model(file)) throw input_error(file.string(), "a model", std::string(expected) + "; --model FILE is for models");
+}
+
 }  // namespace
 
 void run_setup::describe() {
@@ -72,7 +77,10 @@ void run_setup::start_files_at(const std::filesystem::path& folder) {
 
 run_setup::run_setup(const run_sources& from) {
   describe();
+  check_is_no_model(from.scene, "a scene file (TOML)");
+  check_is_no_model(from.architecture, "an architecture file (TOML)");
   if (!from.architecture.empty()) parameters.read_toml(from.architecture, with_bench(design::sections()));
+  const auto core = unit.rtu.core;
   if (!from.scene.empty()) {
     parameters.read_toml(from.scene, with_bench(scene::sections()));
     start_files_at(from.scene.parent_path());  // and those of the command line here
@@ -82,6 +90,12 @@ run_setup::run_setup(const run_sources& from) {
   if (!from.model.empty() && !has_patches(from.model)) parameters.forget("scene.patch_quads");
   for (const std::string& a : from.assignments) parameters.set(a);
   if (!from.model.empty()) what.model.model = from.model.string();
+  if (unit.rtu.core != core && parameters.leaves_unread(from.architecture)) {
+    const auto word = [](rtu_params::core_kind kind) { return rtu_params::core_words()[static_cast<std::size_t>(kind)]; };
+    throw input_error(
+        "--set", fmt::format("rtu.core = {} for {}, a design of {} cores", word(unit.rtu.core), from.architecture.string(), word(core)),
+        fmt::format("--arch with one of {} cores, as those in testbench/architectures", word(unit.rtu.core)));
+  }
   check();
 }
 

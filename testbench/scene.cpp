@@ -1,5 +1,8 @@
 #include "testbench/scene.h"
 
+#include <algorithm>
+#include <iterator>
+
 #include "modules/config/endings.h"
 #include "modules/config/error.h"
 #include "scenes/binvox.h"
@@ -46,6 +49,12 @@ bool is_octree(const std::filesystem::path& file) { return ends_in(file, ".svo")
 bool is_binvox(const std::filesystem::path& file) { return ends_in(file, ".binvox"); }
 
 bool holds_voxels(const std::filesystem::path& file) { return is_octree(file) || is_binvox(file); }
+
+bool is_model(const std::filesystem::path& file) {
+  constexpr const char* meshes[] = {".ply", ".obj", ".stl", ".gltf", ".glb"};
+  return holds_voxels(file) || has_patches(file) ||
+         std::any_of(std::begin(meshes), std::end(meshes), [&](const char* e) { return ends_in(file, e); });
+}
 
 bool has_patches(const std::filesystem::path& file) { return ends_in(file, ".bpt"); }
 

@@ -47,4 +47,7 @@ bool is_binvox(const std::filesystem::path& file);
 /// Whether it is either, so that no resolution is asked for.
 bool holds_voxels(const std::filesystem::path& file);
 
+/// Whether the file's name is that of a model of any kind.
+bool is_model(const std::filesystem::path& file);
+
 }  // namespace rtusim

@@ -75,6 +75,8 @@ std::string summary_text(const run_record& record) {
   line("{} {} cores at {} MHz, {} on {} {}", rtu["cores"].get<unsigned>(), rtu["core"].get<std::string>(), rtu["clock_mhz"].get<double>(),
        config::printable(record.inputs["model"].get<std::string>()), record.inputs[triangles ? "model_triangles" : "model_words"].get<std::uint64_t>(),
        triangles ? "triangles" : "words");
+  if (record.inputs["architecture"].get<std::string>().empty())
+    line("no --arch: the default design (testbench/architectures/espe2019.toml) with what --set changes");
   line("{:>14} cycles   {} rays, {} hits ({:.1f} %)", s["total_cycles"].get<std::uint64_t>(), s["rays"].get<std::uint64_t>(),
        s["hits"].get<std::uint64_t>(), share(s["hits"], s["rays"].get<double>()));
   line("{:>14.3f} cycles a ray", s["cycles_per_ray"].get<double>());

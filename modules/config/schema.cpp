@@ -346,7 +346,9 @@ std::vector<std::string> schema::keys() const {
 }
 
 void schema::read_toml(const std::filesystem::path& file, const std::set<std::string>& sections) {
-  const auto document = parse_toml(read_file(file, most_toml_bytes), file.string());
+  const auto text = read_file(file, most_toml_bytes);
+  if (text.find('\0') != text.npos) throw input_error(file.string(), "a binary file", "a TOML file");
+  const auto document = parse_toml(text, file.string());
   toml_reader reader{*this, file.string(), true, {}};
   for (const auto& [name, value] : document) reader.read(component(name.str()), 1, value, name.source().begin);
   apply(reader.assignments(), &sections);
@@ -494,6 +496,16 @@ void schema::check_read() const {
     }
 }
 
+bool schema::leaves_unread(const std::filesystem::path& file) const {
+  const auto of_file = file.string() + ':';
+  for (const auto& s : sections_)
+    for (const auto& p : s.parameters()) {
+      const auto given = given_.find(p.key);
+      if (given != given_.end() && p.is_read && !p.is_read() && given->second.place.rfind(of_file, 0) == 0) return true;
+    }
+  return false;
+}
+
 nlohmann::ordered_json schema::values() const {
   auto record = ordered_json::object();
   for (const auto& s : sections_)
@@ -503,13 +515,25 @@ nlohmann::ordered_json schema::values() const {
 }
 
 std::string schema::explain(std::string_view key) const {
+  std::string text = page([key](std::string_view k) { return starts_key(k, key); });
+  if (!text.empty()) return text;
+  auto candidates = keys();
+  for (const auto& [name, home] : homes_) candidates.push_back(name);
+  throw unknown_key("explain", component(key, "."), candidates);
+}
+
+std::string schema::explain_all_with(std::string_view part) const {
+  return page([part](std::string_view k) { return k.find(part) != k.npos; });
+}
+
+std::string schema::page(const std::function<bool(std::string_view)>& is_wanted) const {
   struct row { std::string key, preset; std::vector<std::string> texts; };
   std::vector<row> rows{{"key", "default", {"values, meaning, and when it is read"}}};
   std::vector<std::string> errata;
   for (const auto& s : sections_)
     for (const auto& p : s.parameters()) {
       if (!p.alias.empty()) errata.push_back(p.alias);
-      if (!starts_key(p.key, key) && (p.alias.empty() || !starts_key(p.alias, key))) continue;
+      if (!is_wanted(p.key) && (p.alias.empty() || !is_wanted(p.alias))) continue;
       const auto& preset = defaults_.at(p.key);
       const bool is_bare = preset.is_string() && !preset.get_ref<const std::string&>().empty();
       rows.push_back({p.key, is_bare ? preset.get<std::string>() : preset.dump(), {values_text(p), p.meaning}});
@@ -521,14 +545,10 @@ std::string schema::explain(std::string_view key) const {
       }
       if (!p.read_when.empty()) rows.back().texts.push_back("read only when " + p.read_when);
     }
-  if (!errata.empty() && starts_key(all_errata, key))
+  if (!errata.empty() && is_wanted(all_errata))
     rows.push_back({std::string(all_errata), "",
                     {"true or false", fmt::format("sets {}; one named by itself wins", fmt::join(errata, ", "))}});
-  if (rows.size() == 1) {
-    auto candidates = keys();
-    for (const auto& [name, home] : homes_) candidates.push_back(name);
-    throw unknown_key("explain", component(key, "."), candidates);
-  }
+  if (rows.size() == 1) return {};
 
   constexpr std::size_t page_columns = 100, most_preset_columns = 24;
   std::size_t key_columns = 0, preset_columns = 0;
@@ -537,20 +557,20 @@ std::string schema::explain(std::string_view key) const {
     if (r.preset.size() <= most_preset_columns) preset_columns = std::max(preset_columns, r.preset.size());
   }
   const std::size_t text_columns = std::max<std::size_t>(40, page_columns - std::min(page_columns, key_columns + preset_columns + 4));
-  std::string page;
+  std::string text;
   for (const auto& r : rows) {
     std::string left = fmt::format("{:{}}  {:{}}  ", r.key, key_columns, r.preset, preset_columns);
     if (r.preset.size() > preset_columns) {
-      page += fmt::format("{:{}}  {}\n", r.key, key_columns, r.preset);
+      text += fmt::format("{:{}}  {}\n", r.key, key_columns, r.preset);
       left.assign(key_columns + preset_columns + 4, ' ');
     }
-    for (const auto& text : r.texts)
-      for (const auto& line : wrapped(text, text_columns)) {
-        page += left + line + '\n';
+    for (const auto& words : r.texts)
+      for (const auto& line : wrapped(words, text_columns)) {
+        text += left + line + '\n';
         left.assign(key_columns + preset_columns + 4, ' ');
       }
   }
-  return page;
+  return text;
 }
 
 std::string nearest(std::string_view word, const std::vector<std::string>& candidates) {
@@ -559,14 +579,15 @@ std::string nearest(std::string_view word, const std::vector<std::string>& candi
   for (const auto& candidate : candidates) {
     const std::size_t longer = std::max(word.size(), candidate.size());
     if (longer - std::min(word.size(), candidate.size()) > longer / 3) continue;
-    std::vector<std::size_t> row(candidate.size() + 1);  // of the table of distances between prefixes
+    std::vector<std::size_t> before, last, row(candidate.size() + 1);  // of the table of distances between prefixes
     std::iota(row.begin(), row.end(), std::size_t{0});
     for (std::size_t i = 1; i <= word.size(); ++i) {
-      std::size_t diagonal = std::exchange(row[0], i);
+      before = std::exchange(last, row);
+      row[0] = i;
       for (std::size_t j = 1; j <= candidate.size(); ++j) {
-        const std::size_t substituted = diagonal + (word[i - 1] == candidate[j - 1] ? 0 : 1);
-        diagonal = row[j];
-        row[j] = std::min({substituted, row[j] + 1, row[j - 1] + 1});
+        row[j] = std::min({last[j - 1] + (word[i - 1] == candidate[j - 1] ? 0 : 1), last[j] + 1, row[j - 1] + 1});
+        if (i > 1 && j > 1 && word[i - 1] == candidate[j - 2] && word[i - 2] == candidate[j - 1])
+          row[j] = std::min(row[j], before[j - 2] + 1);
       }
     }
     if (row.back() <= longer / 3 && row.back() < least) {

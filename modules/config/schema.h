@@ -2,6 +2,7 @@
 
 #include <deque>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <set>
 #include <string>
@@ -58,12 +59,17 @@ class schema {
   /// After all values are in: refuses a key that was given by a file or by `set` but that this design does not read.
   void check_read() const;
 
+  /// Whether this file gave a value that this design does not read.
+  bool leaves_unread(const std::filesystem::path& file) const;
+
   /// The values of all parameters that are read now, by section: `{"scheduler": {"policy": "..."}}`.
   nlohmann::ordered_json values() const;
 
   /// A table of the parameters whose key starts with `key` (all when empty): key, default, unit, range, meaning.
   /// Errors: input_error that names the nearest key when none matches.
   std::string explain(std::string_view key) const;
+  /// The same of the parameters whose key holds `part` anywhere; empty when there are none.
+  std::string explain_all_with(std::string_view part) const;
 
   const std::deque<section>& sections() const { return sections_; }
 
@@ -80,6 +86,7 @@ class schema {
   void refuse_unknown(const assignment& a, const std::set<std::string>* allowed) const;
   void check_home(const assignment& a, const std::string& section_name, const std::set<std::string>* allowed) const;
   std::vector<std::string> keys() const;
+  std::string page(const std::function<bool(std::string_view)>& is_wanted) const;
 
   std::deque<section> sections_;
   std::map<std::string, std::string> homes_;                // by section
@@ -88,7 +95,8 @@ class schema {
   std::map<std::string, origin> given_;                     // by key
 };
 
-/// The candidate with the least edit distance to `word`; empty when none is near (within a third of the longer one's length).
+/// The candidate with the least edit distance to `word`, in which two neighbours that changed places count once; empty when none is near
+/// (within a third of the longer one's length).
 std::string nearest(std::string_view word, const std::vector<std::string>& candidates);
 
 }  // namespace rtusim::config

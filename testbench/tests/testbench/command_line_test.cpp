@@ -73,15 +73,24 @@ TEST_CASE("command line: a command that can't be read is refused", "[testbench]"
       {"an option given twice", small_run({"--log", "a", "--log", "b"}), "--log"},
       {"an empty name, as of a variable that is not set", small_run({"--log", ""}), "--log: an empty value"},
       {"a unit without files", {"unit", "svo_core"}, "--jobs is required"},
-      {"an unknown unit", {"unit", "svo_coar", "--jobs", "a.csv", "--out", "b.csv"}, "\"svo_coar\"; expected svo_core, float_to_fixed, t_div,"},
+      {"an unknown unit",
+       {"unit", "svo_coar", "--jobs", "a.csv", "--out", "b.csv"},
+       "\"svo_coar\"; expected svo_core, float_to_fixed, t_div,"},
       {"a unit without its model", {"unit", "svo_core", "--jobs", "a.csv", "--out", "b.csv"}, "no --model"},
       {"a unit without its memories", {"unit", "bih_core", "--jobs", "a.csv", "--out", "b.csv"}, "unit bih_core: no --memory"},
-      {"a unit with another's memories", {"unit", "svo_core", "--jobs", "a.csv", "--out", "b.csv", "--memory", "m"},
+      {"a unit with another's memories",
+       {"unit", "svo_core", "--jobs", "a.csv", "--out", "b.csv", "--memory", "m"},
        "unit svo_core: --memory; expected bih_core"},
-      {"a unit with another's model", {"unit", "bih_core", "--jobs", "a.csv", "--out", "b.csv", "--model", dragon}, "unit bih_core: --model"},
-      {"memories that are not there", {"unit", "bih_core", "--jobs", "a.csv", "--out", "b.csv", "--memory", "none"}, "none: no such folder"},
+      {"a unit with another's model",
+       {"unit", "bih_core", "--jobs", "a.csv", "--out", "b.csv", "--model", dragon},
+       "unit bih_core: --model"},
+      {"memories that are not there",
+       {"unit", "bih_core", "--jobs", "a.csv", "--out", "b.csv", "--memory", "none"},
+       "none: no such folder"},
       {"an unknown key", {"explain", "scheduler.polcy"}, "unknown key scheduler.polcy; expected scheduler.policy"},
-      {"an unknown figure", {"explain", "statistics.ray"}, "expected statistics.rays"},
+      {"an unknown figure", {"explain", "statistics.rasy"}, "expected statistics.rays"},
+      {"letters that changed places", {"explain", "rtu.coers"}, "unknown key rtu.coers; expected rtu.cores"},
+      {"the end of a figure's key", {"explain", "latnecy"}, "no figure latnecy; expected latency"},
       {"no model", {"run"}, "run: no model; expected a scene file, --model FILE"},
       {"a pace that is none", small_run({"--pace", "faster"}), "--pace: \"faster\"; expected skipping, stepped"},
   };
@@ -93,6 +102,7 @@ TEST_CASE("command line: a parameter that is unknown, unread or out of range is 
   const auto set = [](const std::string& assignment) { return small_run({"--set", assignment}); };
   const refusal all[] = {
       {"no key", set("=3"), "expected KEY=VALUE"},
+      {"letters that changed places", set("rtu.coers=4"), "unknown key rtu.coers; expected rtu.cores"},
       {"a mistyped key", set("sceduler.policy=first_available"), "unknown key sceduler.policy; expected scheduler.policy"},
       {"a mistyped word", set("scheduler.policy=round_robbin"), "did you mean round_robin?"},
       {"a key that nothing reads", set("source.gap_cycles=4"), "source.gap_cycles is not read by this design"},
@@ -420,7 +430,7 @@ TEST_CASE("command line: what a design of the other kind reads is refused, and w
       {"a divider of no kind", bih("t_div.kind=serial"), "t_div.kind = \"serial\"; expected pipelined or iterative"},
       {"a norm that is none", bih("driver.norm=three"), "driver.norm = \"three\"; expected one or two"},
       {"a core that is none", bih("rtu.core=bvh"), "rtu.core = \"bvh\"; expected svo or bih; did you mean bih?"},
-      {"a core of octrees for a mesh's key", bih("rtu.core=svo"), "is not read by this design; expected it only when rtu.core = bih"},
+      {"a core of octrees for a mesh's key", bih("rtu.core=svo"), "a design of bih cores; expected --arch with one of svo cores"},
   };
   for (const refusal& r : all) check_refused(folder, r);
   // The ends of the ranges are good for a run.
@@ -624,6 +634,38 @@ TEST_CASE("command line: an octree takes the place of a scene's mesh", "[testben
   CHECK_THAT(contents(folder).at("out.json"), !Catch::Contains("resolution"));
 }
 
+TEST_CASE("command line: a file in place of another is told as what it is", "[testbench]") {
+  const test::scratch_folder folder;
+  folder.file("binary.toml", std::string("a = 1\n\0", 7));
+  const refusal all[] = {
+      {"a mesh for a scene", {"run", teapot}, "teapot.bpt: a model; expected a scene file (TOML); --model FILE is for models"},
+      {"an octree for a scene", {"run", dragon}, "dragon_32.svo: a model; expected a scene file (TOML); --model FILE is for models"},
+      {"a zipped mesh in capitals", {"run", "A.PLY.GZ"}, "A.PLY.GZ: a model; expected a scene file"},
+      {"a model for a design", small_run({"--arch", "a.glb"}), "a.glb: a model; expected an architecture file (TOML)"},
+      {"no text", {"run", "binary.toml"}, "binary.toml: a binary file; expected a TOML file"},
+      {"a design of other cores", small_run({"--arch", as_built, "--set", "rtu.core=bih"}),
+       "--set: rtu.core = bih for " + as_built + ", a design of svo cores; expected --arch with one of bih cores"},
+      {"a design of other cores, the other way",
+       small_run({"--arch", source + "testbench/architectures/hanika2007.toml", "--set", "rtu.core=svo"}),
+       "hanika2007.toml, a design of bih cores; expected --arch with one of svo cores"},
+  };
+  for (const refusal& r : all) check_refused(folder, r);
+  // What the design does not read otherwise is told by its own name.
+  check_refused(folder,
+                {"a value", small_run({"--arch", as_built, "--set", "bih_core.address_bits=9"}), "bih_core.address_bits is not read"});
+}
+
+TEST_CASE("command line: a run tells which design it took if none was named", "[testbench]") {
+  const test::scratch_folder folder;
+  const words run{"run", "--model", dragon, "--set", "frame.width=16", "--set", "frame.height=9"};
+  CHECK_THAT(rtusim(folder, run).out, Catch::Contains("\nno --arch: the default design (testbench/architectures/espe2019.toml)"));
+  words with_design = run;
+  for (const std::string& word : {std::string("--arch"), source + "testbench/architectures/espe2019.toml"}) with_design.push_back(word);
+  const outcome o = rtusim(folder, with_design);
+  CHECK(o.status == 0);
+  CHECK_THAT(o.out, !Catch::Contains("--arch"));
+}
+
 TEST_CASE("command line: it explains itself", "[testbench]") {
   const test::scratch_folder folder;
   const std::pair<words, const char*> asked[] = {
@@ -632,6 +674,9 @@ TEST_CASE("command line: it explains itself", "[testbench]") {
       {{"explain"}, "scheduler.policy"},
       {{"explain", "sink.ready"}, "always, lfsr"},
       {{"explain", "statistics.rays"}, "statistics.rays"},
+      {{"explain", "latency"}, "statistics.latency.mean"},
+      {{"explain", "bih"}, "bih_core.address_bits"},
+      {{"explain", "bih"}, "\nFigures of the statistics file:\n\nstatistics.bih_core."},
       {{"info", dragon}, "octree of 5 levels: 32 voxels an edge"},
       {{"info", source + "scenes/data/dragon_res4.ply"}, "triangles"},
       {{"convert", "--help"}, "--resolution N"},
