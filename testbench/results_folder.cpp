@@ -6,10 +6,12 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <chrono>
 #include <cstring>
 #include <fstream>
 #include <iterator>
 #include <system_error>
+#include <thread>
 
 #include <fmt/format.h>
 
@@ -126,8 +128,10 @@ void results_folder::lock(use how, bool tell) {
   const int error = flock(lock_, kind | LOCK_NB) == 0 ? 0 : errno;
   if (error == EWOULDBLOCK) {
     if (tell) fmt::print(stderr, "rtusim: waiting for another sweep in {} to end\n", config::printable(out_.string()));
-    while (flock(lock_, kind) != 0 && errno == EINTR)
+    while (flock(lock_, kind | LOCK_NB) != 0) {  // and not without LOCK_NB: a signal just before would be noticed by none
       if (interrupts::came()) throw simulation_error("sweep: interrupted while it waited for another sweep in " + out_.string());
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    }
   } else if (error != 0) {
     fmt::print(stderr, "rtusim: warning: {} lies where no locks are known: one sweep at a time\n", config::printable(out_.string()));
   }

@@ -208,7 +208,9 @@ TEST_CASE("sweep: a second one in the same folder waits, shares do not wait for 
   const pid_t child = start_rtusim(folder, {"sweep", "sweep.toml", "--out", "out"}, stdout, err.get());
   int status = 0;
   while (text_so_far(err.get()).empty() && waitpid(child, &status, WNOHANG) == 0) continue;
-  while (waitpid(child, &status, WNOHANG) == 0) kill(child, SIGTERM);  // it may not wait yet
+  kill(child, SIGTERM);
+  waitpid(child, &status, 0);
+  CHECK(WIFEXITED(status));
   CHECK(WEXITSTATUS(status) == 1);
   CHECK_THAT(text_so_far(err.get()), Contains("rtusim: sweep: interrupted while it waited for another sweep in out\n"));
   close(lock);
@@ -241,7 +243,7 @@ TEST_CASE("sweep: at its start the parts of processes that are no more go, and o
     CHECK(fs::exists(folder / ("out/points/" + name)));
   }
   CHECK(names_in(folder / "out/points").size() == 5 + std::size(stay));
-  CHECK(names_in(folder / "out") == words{"lock", "failed", "points", "results.csv", "results.json", "sweep.json"});
+  CHECK(names_in(folder / "out") == words{"failed", "lock", "points", "results.csv", "results.json", "sweep.json"});
 }
 
 TEST_CASE("sweep: signals leave whole points, no parts and no workers", "[testbench]") {
@@ -257,7 +259,7 @@ TEST_CASE("sweep: signals leave whole points, no parts and no workers", "[testbe
     waitpid(child, &status, 0);
     CHECK(WEXITSTATUS(status) == 1);
     CHECK_THAT(text_so_far(err.get()), Contains(" of 60 points are done, and the same command goes on\n"));
-    CHECK(names_in(folder / "out") == words{"lock", "failed", "points", "sweep.json"});
+    CHECK(names_in(folder / "out") == words{"failed", "lock", "points", "sweep.json"});
     for (const std::string& name : names_in(folder / "out/points")) {
       CHECK(name[0] != '.');
       CHECK(names_in(folder / ("out/points/" + name)) == words{"identity.json", "image.png", "stats.json"});

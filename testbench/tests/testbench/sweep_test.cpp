@@ -230,7 +230,7 @@ TEST_CASE("sweep: a point that can't be written, memory that is too small, and a
   CHECK(times(folder, "died").empty());
   CHECK_THAT(rtusim(folder, {"sweep", "sweep.toml", "--out", "died"}).out, Contains("2 points: 2 run now, 0 there before, in"));
 
-  const outcome full = rtusim(folder, {"sweep", "sweep.toml", "--out", "full"}, 100);
+  const outcome full = rtusim(folder, {"sweep", "sweep.toml", "--out", "full"}, 1000);
   CHECK(full.status == 2);
   CHECK_THAT(full.err, Contains("File too large") || Contains("room on the disk"));
   CHECK(std::count(full.err.begin(), full.err.end(), '\n') == 1);
@@ -431,7 +431,7 @@ TEST_CASE("sweep: a file, a folder or an option that can't be used is refused in
       {header + "record = [\"rays_per_secnd\"]\n", "sweep.toml:3: no figure rays_per_secnd; expected rays_per_second"},
       {header + "record = [\"rays\", \"wait\"]\n", "sweep.toml:3: no figure wait; expected waits"},
       {header + "record = [\"channel." + std::string(300'000, 'a') + "\"]\n", "no figure channel.aaaaaaaa"},
-      {header + "record = [\"channels." + std::string(300'000, 'a') + "\"]\n", "aaaaaaaa, which no point has"},
+      {header + "record = [\"channels." + std::string(300'000, 'a') + "\"]\n", "sweep.record: channels.aaaaaaaa"},
       {header + "record = [\"channels.jbo\"]\n", "sweep.record: channels.jbo, which no point has"},
       {header + "constraints = [\"rtu.coress > 3\"]\n", "sweep.toml:3: \"rtu.coress > 3\": "},
       {header + "constraints = [\"rtu.cores >\"]\n", "sweep.toml:3: \"rtu.cores >\": "},

@@ -24,7 +24,7 @@ std::vector<std::string> seeds() {
 
 void read(const std::filesystem::path& file) {
   difference_text(file, file);
-  run_setup(nlohmann::json::parse(config::read_file(file))["parameters"], file.string());
+  run_setup(nlohmann::json::parse(config::read_file(file))["parameters"], file.string(), file.parent_path());
 }
 
 const registered it{{"record", "record.json", seeds, read}};

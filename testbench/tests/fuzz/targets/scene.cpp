@@ -8,7 +8,7 @@ std::vector<std::string> seeds() { return with_cases({tree_file("scenes/dragon.t
 
 void read(const std::filesystem::path& file) {
   const run_setup s(run_sources{file, {}, {}, {}});
-  run_setup(nlohmann::json::parse(s.parameters.values().dump()), "record");
+  run_setup(nlohmann::json::parse(s.parameters.values().dump()), "record", file.parent_path());
 }
 
 const registered it{{"scene", "scene.toml", seeds, read}};

@@ -253,7 +253,7 @@ TEST_CASE("A file's errors say where, what was found, and what was expected") {
       {"rtu.core = ['svo']", "FILE:1: rtu.core = [\"svo\"]; expected one [[rtu.core]] entry"},
       {"[[rtu.core]]\nkind = 'svo'\ncout = 2", "FILE:3: unknown key rtu.core.cout; expected rtu.core.count"},
       {"[[rtu.core]]\nkind = 'svo'\ncount = 0", "FILE:3: rtu.core.count = 0; " + cores},
-      {"[[rtu.core]]\nkind = 'sov'", "FILE:2: rtu.core.kind = \"sov\"; expected svo, bih or sphere"},
+      {"[[rtu.core]]\nkind = 'sov'", "FILE:2: rtu.core.kind = \"sov\"; expected svo, bih or sphere; did you mean svo?"},
       {"[[rtu.core]]\ncount = 1\n[rtu]\ncores = 2", "FILE:4: rtu.cores was given before, at FILE:2; expected it once"},
   };
   for (const auto& row : table) {
@@ -397,7 +397,7 @@ TEST_CASE("set takes back what a file gave") {
   CHECK(b.all.values() == bench().all.values());
   b.all.set("scene.model='default'");
   CHECK(b.scene.model == "default");
-  CHECK(set_error("rtu.corse=default") == "--set: unknown key rtu.corse; expected rtu.cores");
+  CHECK(set_error("rtu.coers=default") == "--set: unknown key rtu.coers; expected rtu.cores");
   CHECK(set_error("rtu.cores='default'") == "--set: rtu.cores = \"default\"; expected a whole number from 1 to 1024 cores");
 }
 
