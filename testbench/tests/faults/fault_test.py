@@ -62,7 +62,7 @@ def content(path):
 
 
 def hidden(folder):
-    return [os.path.join(at, n) for at, folders, names in os.walk(folder) for n in folders + names if n.startswith(".")]
+    return [os.path.join(at, n) for at, folders, names in os.walk(folder) for n in folders + names if n.startswith(".") and n != ".lock"]
 
 
 def start(arguments, folder, **fault):
