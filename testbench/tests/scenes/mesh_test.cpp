@@ -14,6 +14,7 @@
 
 #include "modules/config/error.h"
 #include "scenes/bezier_patches.h"
+#include "scenes/gltf.h"
 #include "scenes/polygon.h"
 #include "testbench/tests/scratch.h"
 
@@ -607,6 +608,27 @@ TEST_CASE("files beside a glTF are read from its folder and below", "[mesh]") {
   }
   scratch.file("model/parts/a.bin", buffer.substr(0, 167));
   CHECK_THROWS_WITH(read_mesh(file("parts/a.bin")), Contains("buffers[0]: 167 bytes; expected 168"));
+}
+
+TEST_CASE("mesh: more triangles than can be held are refused before they are made") {
+  const test::scratch_folder scratch;
+  // One polygon of fifty million corners, all of them the first vertex: zeros, which take no room on the disk.
+  std::string bytes =
+      "ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n"
+      "property list uint uchar vertex_indices\nend_header\n";
+  for (int coordinate = 0; coordinate < 9; ++coordinate) append(bytes, coordinate % 4 == 0 ? 1.0F : 0.0F);
+  const std::uint32_t corners = 50'000'003;
+  append(bytes, corners);
+  const auto file = scratch.file("many.ply", bytes);
+  std::filesystem::resize_file(file, bytes.size() + corners);
+  CHECK_THROWS_WITH(read_mesh(file), Catch::EndsWith("many.ply: a mesh of more triangles; expected at most 50000000"));
+
+  const std::string twice =
+      R"({"asset": {"version": "2.0"}, "nodes": [{"mesh": 0}, {"mesh": 0}], "meshes": [{"primitives": [{"attributes": )"
+      R"({"POSITION": 0}}]}], "accessors": [{"componentType": 5126, "count": 3, "type": "VEC3"}]})";
+  const auto no_files = [](const std::string&, std::uint64_t) { return std::string(); };
+  CHECK(parse_gltf(twice, false, "a.gltf", 2, no_files).sizes.size() == 2);
+  CHECK_THROWS_WITH(parse_gltf(twice, false, "a.gltf", 1, no_files), Catch::Equals("a.gltf: a mesh of more triangles; expected at most 1"));
 }
 
 }  // namespace rtusim

@@ -92,6 +92,12 @@ TEST_CASE("command line: a command that can't be read is refused", "[testbench]"
       {"letters that changed places", {"explain", "rtu.coers"}, "unknown key rtu.coers; expected rtu.cores"},
       {"the end of a figure's key", {"explain", "latnecy"}, "no figure latnecy; expected latency"},
       {"no model", {"run"}, "run: no model; expected a scene file, --model FILE"},
+      {"a mesh in so many voxels",
+       {"run", "--model", teapot, "--set", "scene.resolution=33"},
+       "scene.resolution: 33; expected a power of two up to 1024"},
+      {"a replay with long pauses",
+       small_run({"--pace", "replay", "--set", "source.valid=gap", "--set", "source.gap_cycles=100000", "--set", "watchdog.cycles=5000"}),
+       "--pace replay: transfers more than watchdog.cycles = 5000 apart; expected --pace skipping for such a run"},
       {"a pace that is none", small_run({"--pace", "faster"}), "--pace: \"faster\"; expected skipping, stepped"},
   };
   for (const refusal& r : all) check_refused(folder, r);
@@ -464,6 +470,8 @@ TEST_CASE("command line: an output that can't be written is refused before the r
       {"a picture on a full device", small_run({"--image", "full.png"}), "full.png: "},
       {"layers on a full device", small_run({"--image", "full.exr"}), "full.exr: "},
       {"a waveform on a full device", small_run({"--vcd", "/dev/full"}), "/dev/full: No space left"},
+      {"a model's picture on a full device", {"info", dragon, "--image", "full.png"}, "full.png: "},
+      {"a model's picture on a full disk", {"info", dragon, "--image", "out.png"}, "out.png: ", 2, 100},
       {"a full device for a table", {"unit", "svo_core", "--jobs", "in.csv", "--out", "/dev/full", "--model", dragon}, "/dev/full: No"},
   };
   for (const char* option : {"--log", "--stats", "--save-jobs"})
