@@ -352,7 +352,9 @@ TEST_CASE("sweep identity: what files hold counts, not where they lie", "[testbe
     CHECK(a.name == b.name);
     CHECK(a.walk == b.walk);
   };
-  const auto append = [&](const std::string& file, const std::string& bytes) { std::ofstream(folder / file, std::ios::binary | std::ios::app) << bytes; };
+  const auto append = [&](const std::string& file, const std::string& bytes) {
+    std::ofstream(folder / file, std::ios::binary | std::ios::app) << bytes;
+  };
 
   folder.file("scene.toml", in("mesh.obj"));
   folder.file("design.toml", "[rtu]\ncores = 4\n");
