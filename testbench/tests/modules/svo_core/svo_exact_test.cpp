@@ -116,6 +116,7 @@ struct seen {
   std::int64_t t = 0;
   int axis = no_axis, sign = 0;
   cube where;
+  std::uint32_t cost = 0;
 };
 
 /// The outcome of machine and walk, which agree.
@@ -132,10 +133,11 @@ seen trace(const svo_core_params& p, const traversal_job& job, const model& m) {
   bus.take(o, job.direction_bits(), p);
   const auto& r = machine.now();
   REQUIRE(r.hit == o.hit);
+  REQUIRE(r.cost == o.cost);
   REQUIRE(r.result.t_hit == bus.t_hit);
   REQUIRE(r.result.axis == bus.axis);
   REQUIRE(r.result.sign == bus.sign);
-  seen s{r.hit, r.result.t_hit, r.result.axis, r.result.sign, {}};
+  seen s{r.hit, r.result.t_hit, r.result.axis, r.result.sign, {}, r.cost};
   if (r.hit) {
     s.where.size = m.n >> place.levels;
     for (unsigned i = 0; i < 3; ++i) s.where.low[i] = static_cast<int>(place.place[i]) * s.where.size;
@@ -414,6 +416,8 @@ TEST_CASE("svo_core: what ends just where a ray starts is not ahead of it", "[sv
   for (const row& r : table) {
     CAPTURE(r.start);
     const seen low = trace({}, ray(r.start), lower), up = trace({}, ray(r.start), upper);
+    // INIT and EVAL alone where nothing of the root is ahead.
+    CHECK((up.cost == 2) == (r.start <= -16));
     CHECK(low.hit == r.lower);
     CHECK(up.hit == r.upper);
     CHECK(low.t == r.lower_t);
