@@ -123,7 +123,6 @@ worker_report run_point(const sweep_plan& plan, const sweep_task& t, const share
   if (shown)
     shown->finish(figures, std::any_of(plan.images().begin(), plan.images().end(),
                                        [](const std::string& ending) { return shows_places(kind_of("image." + ending)); }));
-  const config::deferred_sync by_batch;
   try {
     const fs::path part = folder.part(t);
     fs::remove_all(part);
