@@ -242,8 +242,12 @@ TEST_CASE("picture values: the sky at a corner is that of the method's integral"
       where.points.push_back({static_cast<float>(p[0]), static_cast<float>(p[1] + (tall || i % 64 < 32 ? 0 : reach)), static_cast<float>(p[2])});
     }
     f.set_places(where);
-    const auto open = layers_of(tmp, f)["ambient"];
+    const auto channels = layers_of(tmp, f);
+    const auto& open = channels.at("ambient");
     const auto row = std::size_t{32} * 64;
+    // Of the sun half comes on where no sky is left, of the sky's own light none.
+    for (const std::size_t x : {std::size_t{20}, std::size_t{28}, std::size_t{30}, std::size_t{34}})
+      check_lit(channels, row + x, lit(x < 32 ? vec{0, 1, 0} : vec{-1, 0, 0}, light_for(-1, 0), static_cast<double>(open[row + x])));
     if (!tall) {  // what is further than the reach takes nothing
       for (std::size_t x = 0; x < 28; ++x) CHECK(open[row + x] == 1);
       continue;
