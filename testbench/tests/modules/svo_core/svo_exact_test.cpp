@@ -119,7 +119,7 @@ TEST_CASE("svo_core: without errata random rays hit the nearest filled cube ahea
     for (const unsigned count : axis) CHECK(count > 500);
 }
 
-TEST_CASE("svo_core: the erratum negative_t finds the nearest cube of the whole line, positive_normals turns every normal up", "[svo_core]") {
+TEST_CASE("svo_core: with negative_t rays hit the nearest cube of the whole line, with positive_normals all look up", "[svo_core]") {
   test::rng random(102);
   svo_core_params p;
   p.negative_t = p.positive_normals = true;
