@@ -27,7 +27,7 @@ namespace {
 using json = nlohmann::ordered_json;
 namespace fs = std::filesystem;
 
-constexpr int folder_version = 1;
+constexpr int folder_version = 2;
 constexpr std::string_view part_start = ".part-";
 
 /// What a file of the folder holds now; nothing if it can't be read. It is no input of the sweep, so that no ledger notes or keeps it.

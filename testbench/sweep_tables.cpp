@@ -17,7 +17,7 @@ namespace {
 
 using json = nlohmann::ordered_json;
 
-constexpr int results_version = 1;
+constexpr int results_version = 2;
 constexpr std::size_t most_reasons = 10;  // that are told
 
 std::string csv_field(std::string text) {

@@ -1,7 +1,8 @@
 """Lets each call of rtusim's that can fail do so, one a run, and holds what is left against what should be.
 
 Usage: fault_test.py RTUSIM SHIM SOURCE [CALLS]
-CALLS: of each function in each command so many, spread over all that there are; "all" for every one. 6 if left out.
+CALLS: of each function in each command so many, spread over all that there are; "all" for every one, or 5000 where there are
+more. 6 if left out.
 
 After each fault every output is the old file, or none, or the whole new one; all are new when the exit status is 0; else there is one line
 on stderr; no hidden file is left. Besides, a power cut behind an exit status of 0 loses nothing: each output was synced before it got its
@@ -43,7 +44,7 @@ commands = [
              "--vcd-to", "300"], ["s.json", "l.csv", "j.bin", "w.vcd"], ["malloc", *files]),
     ("replay", ["run", *design, *octree, "--quiet", "--pace", "replay", "--log", "l.csv"], ["l.csv"], ["malloc"]),
     ("pictures", ["run", *design, *octree, "--quiet", "--pace", "replay", "--image", "p.png", "--image", "p.exr"], ["p.png", "p.exr"],
-     files),
+     ["malloc", *files]),
     ("convert", ["convert", cube, "c.svo", "--resolution", "16", "--solid", "--quiet"], ["c.svo"], ["malloc", *files]),
     ("convert to voxels", ["convert", octree[1], "c.binvox", "--quiet"], ["c.binvox"], ["malloc", *files]),
     ("sweep", ["sweep", "sweep.toml", "--out", "out", "--quiet", "-j", "2"], ["out/results.csv"], files),
@@ -121,7 +122,7 @@ def main():
             calls = {line.split()[0]: int(line.split()[1]) for line in f}
         shutil.rmtree(folder)
         for function in functions:
-            step = 1 if most_calls == "all" else max(1, -(-calls[function] // int(most_calls)))
+            step = max(1, -(-calls[function] // (5000 if most_calls == "all" else int(most_calls))))
             for n in range(1 + (runs % step), calls[function] + 1, step):
                 runs += 1
                 folder = os.path.realpath(prepare(outputs))

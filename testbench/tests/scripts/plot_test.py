@@ -16,7 +16,7 @@ def run(*arguments):
 
 def results(folder, points, **changes):
     folder.mkdir()
-    (folder / "results.json").write_text(json.dumps({"format": "rtusim sweep results", "version": 1, "points": points, **changes}))
+    (folder / "results.json").write_text(json.dumps({"format": "rtusim sweep results", "version": 2, "points": points, **changes}))
     return str(folder)
 
 
@@ -34,7 +34,7 @@ with tempfile.TemporaryDirectory() as scratch:
             ("none: no such folder", str(base / "none"), "knee"),
             ("no results.json", scratch, "knee"),
             ("no results of a sweep", results(base / "garbled", [], format=3), "knee"),
-            ("version 2; expected version 1", results(base / "later", [], version=2), "knee"),
+            ("version 3; expected version 2", results(base / "later", [], version=3), "knee"),
             ("no point that is done, 1 failed", results(base / "failed", [point(1, "x", "failed")]), "knee"),
             ("points without axes or figures", results(base / "odd", [3]), "knee"),
             ("no column rtu.core; expected rtu.cores", good, "axis", "rtu.core", "rays_per_second"),

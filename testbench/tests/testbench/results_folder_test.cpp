@@ -301,7 +301,7 @@ TEST_CASE("sweep: a link in its folder leads nothing out of it", "[testbench]") 
   const sweep_folder folder;
   folder.file("precious", "kept");
   fs::create_directories(folder / "out/points");
-  folder.file("out/sweep.json", "{\"format\":\"rtusim sweep\",\"version\":1}\n");
+  folder.file("out/sweep.json", "{\"format\":\"rtusim sweep\",\"version\":2}\n");
   for (const char* name : {"results.csv", "results.json"}) fs::create_symlink("../precious", folder / (std::string("out/") + name));
   CHECK(folder.sweep(five).status == 0);
   CHECK(bytes_of(folder / "precious") == "kept");
