@@ -108,7 +108,7 @@ std::string lost_text(const voxel_cube& cube) {
     if (usual == resolution) text += fmt::format("; --resolution {} on the way back to a .binvox gives them alone", cube.edge);
     text += '\n';
   }
-  const voxel_cube root(voxel_grid(voxel_grid::least_resolution));
+  const voxel_cube root{voxel_grid(voxel_grid::least_resolution)};
   if (cube.translate != root.translate || cube.scale != root.scale)
     text += fmt::format("an octree does not keep where they lie: translate {}, scale {}\n", fmt::join(cube.translate, " "), cube.scale);
   return text;

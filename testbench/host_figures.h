@@ -16,14 +16,14 @@ struct triangle_losses {
   std::uint64_t clamped = 0;  ///< triangles with an edge component beyond what m bits hold
 };
 
+/// What becomes of a mesh on its way to triangle cores.
+struct triangle_figures {
+  triangle_losses losses;
+  unsigned edge_shift = 0;  ///< `quantisation.edge_shift`, chosen or given
+};
+
 /// What the host does to rays and triangles before a unit has them: what it leaves out, replaces or clamps.
 struct host_figures {
-  /// Of triangle cores.
-  struct triangle_figures {
-    triangle_losses losses;
-    unsigned edge_shift = 0;  ///< `quantisation.edge_shift`, chosen or given
-  };
-
   std::uint64_t unsent_rays = 0;          ///< as they miss the model's box, see `driver.skip_misses`
   std::uint64_t replaced_components = 0;  ///< of directions, see `traversal_parameters`
   std::uint64_t duplicate_ids = 0;        ///< jobs whose id an earlier one has
