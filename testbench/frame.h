@@ -72,7 +72,8 @@ class frame {
   void leave_out_all_but(const std::vector<job_packet>& jobs);
 
   /// Keeps a result at the pixel that its job id names. Of several for a pixel it keeps the nearest hit, of equals that of
-  /// the earlier job (Espe 2019, sec. 5.3.4: a scene of several octrees). False if it is not kept; counted in `strays` if the id lies outside the frame.
+  /// the earlier job (Espe 2019, sec. 5.3.4: a scene of several octrees). False if it is not kept; counted in
+  /// `strays` if the id lies outside the frame.
   bool store(const traversal_result& r, std::uint64_t latency_cycles) {
     const std::uint32_t index = r.pixel();
     if (index >= pixels_.size()) {

@@ -223,7 +223,8 @@ void point_batch::commit() {
       std::error_code taken;
       fs::remove_all(folder_.point(*t));  // of another program, or without these pictures
       fs::rename(folder_.part(*t), folder_.point(*t), taken);
-      if (taken && !folder_.record(*t)) throw fs::filesystem_error("rename", folder_.part(*t), folder_.point(*t), taken);  // else another machine was faster
+      const bool is_lost = taken && !folder_.record(*t);  // else another machine was faster
+      if (is_lost) throw fs::filesystem_error("rename", folder_.part(*t), folder_.point(*t), taken);
       folder_.forget_failure(*t);
     }
     for (const sweep_task* t : failed_) fs::rename(folder_.part(*t), folder_.failed(*t));

@@ -17,7 +17,8 @@ const std::set<std::string>& surroundings::sections() {
   return names;
 }
 
-simulation::simulation(const design& d, const surroundings& s, const model_view& model, const std::vector<job_packet>& jobs, pace p, const std::optional<waveform_window>& window)
+simulation::simulation(const design& d, const surroundings& s, const model_view& model, const std::vector<job_packet>& jobs, pace p,
+                       const std::optional<waveform_window>& window)
     : jobs_(jobs),
       window_(window),
       clock_mhz_(d.rtu.clock_mhz),

@@ -73,7 +73,8 @@ std::string summary_text(const run_record& record) {
 
   const bool triangles = record.inputs.contains("model_triangles");
   line("{} {} cores at {} MHz, {} on {} {}", rtu["cores"].get<unsigned>(), rtu["core"].get<std::string>(), rtu["clock_mhz"].get<double>(),
-       config::printable(record.inputs["model"].get<std::string>()), record.inputs[triangles ? "model_triangles" : "model_words"].get<std::uint64_t>(),
+       config::printable(record.inputs["model"].get<std::string>()),
+       record.inputs[triangles ? "model_triangles" : "model_words"].get<std::uint64_t>(),
        triangles ? "triangles" : "words");
   if (record.inputs["architecture"].get<std::string>().empty())
     line("no --arch: the default design (testbench/architectures/espe2019.toml) with what --set changes");

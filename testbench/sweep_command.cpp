@@ -47,11 +47,13 @@ constexpr std::uint64_t most_kept_bytes = std::uint64_t{1} << 29;
 struct shared_rays {
   shared_rays(const run_setup& s, bool pictured) : model(s), sent(model.jobs(s, 1, pictured)), jobs(sent.packets) {
     if (replay_obstacle(s.unit, s.bench).empty()) walked.emplace(walk_rays(s.unit, model.octree(), jobs, 1));
+    inputs = inputs_of(s, model, jobs);
   }
   loaded_model model;
   sent_jobs sent;
   const std::vector<job_packet>& jobs;
   std::optional<walked_rays> walked;
+  nlohmann::ordered_json inputs;  ///< of a record; a point may have the same model under another name
 };
 
 /// The rays of one walk, or why there are none.
@@ -111,7 +113,8 @@ worker_report run_point(const sweep_plan& plan, const sweep_task& t, const share
   speed.all_seconds = speed.run_seconds = std::chrono::duration<double>(wall_clock::now() - begin).count();
 
   run_record record;
-  record.inputs = inputs_of(*s, shared.model, shared.jobs);
+  record.inputs = shared.inputs;
+  record.inputs["model"] = s->what.model.model;
   record.inputs["scene"] = plan.scene(*t.point).string();
   record.inputs["architecture"] = plan.architecture(*t.point).string();
   record.parameters = s->parameters.values();

@@ -58,8 +58,9 @@ std::uint64_t estimated_bytes(const waveform_window& window, const run_setup& s,
 
 void check_size(const waveform_window& window, const run_setup& s, const loaded_model& model, const std::vector<job_packet>& jobs) {
   std::error_code ignored;
-  const bool is_file = !config::descriptor_named(window.file) && (!std::filesystem::exists(window.file, ignored) || std::filesystem::is_regular_file(window.file, ignored));
-  if (!is_file) return;
+  const auto status = std::filesystem::status(window.file, ignored);
+  const bool is_stream = std::filesystem::exists(status) && !std::filesystem::is_regular_file(status);
+  if (is_stream || config::descriptor_named(window.file)) return;
   const std::uint64_t bytes = estimated_bytes(window, s, model, jobs);
   if (bytes > most_bytes)
     throw input_error(window.file.string(), fmt::format("a waveform of about {:.1f} GB", static_cast<double>(bytes) / 1e9),

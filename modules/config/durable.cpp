@@ -34,11 +34,6 @@ class descriptor {
 
 }  // namespace
 
-void sync_file(const std::filesystem::path& file) {
-  const descriptor open(file, O_RDONLY);
-  if (::fsync(open.number()) != 0) refuse(file, errno);
-}
-
 void sync_folder(const std::filesystem::path& folder) {
   const descriptor open(folder, O_RDONLY | O_DIRECTORY);
   // Some file systems have folders that can't be synced, and need not be.

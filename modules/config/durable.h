@@ -5,17 +5,13 @@
 
 namespace rtusim::config {
 
-/// Waits until a file's bytes are on the disk, so that they are there after a loss of power.
-/// Errors: input_error when it is not there or the disk fails.
-void sync_file(const std::filesystem::path& file);
-
 /// Waits until a folder's names are on the disk: of files that were made in it, renamed into it or removed from it. Not what they hold.
-/// Errors: as `sync_file`.
+/// Errors: input_error when it is not there or the disk fails.
 void sync_folder(const std::filesystem::path& folder);
 
 /// Waits until all that was written so far, by anybody, to the file system that holds `place` is on the disk: files and names. For many
 /// files this is quicker than each by itself.
-/// Errors: as `sync_file`.
+/// Errors: as `sync_folder`.
 void sync_file_system(const std::filesystem::path& place);
 
 /// Writes a file that is not there yet; what lies under its name, be it a link that leads nowhere, is left as it is. It is not synced.

@@ -9,15 +9,12 @@
 
 #include <fmt/format.h>
 
+#include "testbench/tests/model_bytes.h"
+
 namespace rtusim::fuzz {
 namespace {
 
-template <class Value>
-void append(std::string& bytes, Value value, bool big_endian = false) {
-  std::string raw(reinterpret_cast<const char*>(&value), sizeof value);
-  if (big_endian) std::reverse(raw.begin(), raw.end());
-  bytes += raw;
-}
+using test::append;
 
 std::string gltf_buffer(const mesh& m) {
   std::string s;
@@ -126,16 +123,9 @@ std::string gltf(const mesh& m) {
 }
 
 std::string glb(const mesh& m) {
-  std::string json = gltf_json(m, {}), buffer = gltf_buffer(m);
-  json.append((4 - json.size() % 4) % 4, ' ');
+  std::string buffer = gltf_buffer(m);
   buffer.append((4 - buffer.size() % 4) % 4, '\0');
-  std::string s = "glTF";
-  append(s, std::uint32_t{2});
-  append(s, static_cast<std::uint32_t>(12 + 8 + json.size() + 8 + buffer.size()));
-  append(s, static_cast<std::uint32_t>(json.size()));
-  s += "JSON" + json;
-  append(s, static_cast<std::uint32_t>(buffer.size()));
-  return s + std::string("BIN\0", 4) + buffer;
+  return test::glb_of(gltf_json(m, {}), buffer);
 }
 
 std::string bpt() {

@@ -16,10 +16,13 @@
 #include "scenes/bezier_patches.h"
 #include "scenes/gltf.h"
 #include "scenes/polygon.h"
+#include "testbench/tests/model_bytes.h"
 #include "testbench/tests/scratch.h"
 
 namespace rtusim {
 namespace {
+
+using test::append;
 
 const std::string data = RTUSIM_SOURCE_DIR "/scenes/data/";
 const std::string cases = RTUSIM_SOURCE_DIR "/testbench/tests/cases/";
@@ -32,13 +35,6 @@ std::string refusal(const test::scratch_folder& scratch, const std::string& name
     return std::string(e.what()).substr((scratch / "").string().size());
   }
   return "accepted";
-}
-
-template <class Value>
-void append(std::string& bytes, Value value, bool big_endian = false) {
-  std::string raw(reinterpret_cast<const char*>(&value), sizeof value);
-  if (big_endian) raw = std::string(raw.rbegin(), raw.rend());
-  bytes += raw;
 }
 
 // The unit cube: corner i has bit 0 for x, bit 1 for y, bit 2 for z.
@@ -131,16 +127,7 @@ std::string gltf_json(const std::string& uri, const std::string& nodes =
          R"("buffers":[{"byteLength":168)" + (uri.empty() ? std::string() : R"(,"uri":")" + uri + '"') + "}]}";
 }
 
-std::string glb(std::string json, const std::string& buffer = gltf_buffer()) {
-  json.append((4 - json.size() % 4) % 4, ' ');
-  std::string s = "glTF";
-  append(s, std::uint32_t{2});
-  append(s, static_cast<std::uint32_t>(12 + 8 + json.size() + 8 + buffer.size()));
-  append(s, static_cast<std::uint32_t>(json.size()));
-  s += "JSON" + json;
-  append(s, static_cast<std::uint32_t>(buffer.size()));
-  return s + std::string("BIN\0", 4) + buffer;
-}
+std::string glb(const std::string& json, const std::string& buffer = gltf_buffer()) { return test::glb_of(json, buffer); }
 
 void check_cube(const mesh& m, const glm::dvec3& lower = glm::dvec3(0), double edge = 1) {
   CHECK(m.vertices.size() == 8);

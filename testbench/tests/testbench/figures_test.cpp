@@ -17,6 +17,7 @@
 #include "testbench/simulation.h"
 #include "testbench/summary.h"
 #include "testbench/tests/in_child.h"
+#include "testbench/tests/random_streams.h"
 #include "testbench/tests/random_scene.h"
 #include "testbench/tests/random_triangles.h"
 #include "testbench/tests/scratch.h"
@@ -215,17 +216,6 @@ void check_equal(const json& counted, const json& recorded) {
   REQUIRE(left.size() == right.size());
 }
 
-surroundings random_streams(test::rng& random) {
-  surroundings s;
-  s.source.valid = static_cast<source_params::regime>(random() % 4);
-  s.source.gap_cycles = 1 + random() % 40;
-  s.source.interval_cycles = 1 + random() % 60;
-  s.source.seed = static_cast<std::uint16_t>(1 + random() % 65'535);
-  s.sink.ready = static_cast<sink_params::regime>(random() % 2);
-  s.sink.seed = static_cast<std::uint16_t>(1 + random() % 65'535);
-  return s;
-}
-
 }  // namespace
 
 TEST_CASE("figures: of voxel cores each is what the log and the waveform come to", "[figures]") {
@@ -242,7 +232,7 @@ TEST_CASE("figures: of voxel cores each is what the log and the waveform come to
     d.fixed_point = d.svo_core.format;
     d.float_to_fixed = {random() % 2 == 0, random() % 2 == 0, random() % 2 == 0};
     d.result_manager_.valid_withdrawn = random() % 2 == 0;
-    const surroundings s = random_streams(random);
+    const surroundings s = test::random_streams(random);
     const svo_image image = test::random_image(random);
     std::vector<job_packet> jobs;
     for (std::uint32_t id = 0, n = 1 + random() % 80; id < n; ++id) jobs.push_back(test::random_packet(random, id));
@@ -300,7 +290,7 @@ TEST_CASE("figures: of triangle cores each is what the log and the waveform come
     d.rtu.clock_mhz = 100;  // the parser's
     d.rtu.cores = 1 + random() % 4;
     const quantisation& q = d.quantisation_;
-    const surroundings s = random_streams(random);
+    const surroundings s = test::random_streams(random);
     const bih_memory model = test::random_triangles(random, d);
     std::vector<job_packet> jobs;
     for (std::uint32_t id = 0, n = 1 + random() % 60; id < n; ++id) jobs.push_back(test::random_triangle_packet(random, id, d, model));

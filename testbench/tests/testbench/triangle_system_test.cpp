@@ -12,6 +12,7 @@
 #include "modules/triangle_unit/triangle_intersector.h"
 #include "testbench/simulation.h"
 #include "testbench/tests/in_child.h"
+#include "testbench/tests/random_streams.h"
 #include "testbench/tests/random_triangles.h"
 
 namespace rtusim {
@@ -98,18 +99,6 @@ std::set<std::string> cut(const std::set<std::string>& results, int fields) {
   return shorter;
 }
 
-surroundings random_streams(test::rng& random) {
-  surroundings s;
-  s.watchdog_cycles = 100'000;
-  s.source.valid = static_cast<source_params::regime>(random() % 4);
-  s.source.gap_cycles = 1 + random() % (random() % 8 == 0 ? 2'000 : 40);
-  s.source.interval_cycles = 1 + random() % 60;
-  s.source.seed = static_cast<std::uint16_t>(1 + random() % 65'535);
-  s.sink.ready = static_cast<sink_params::regime>(random() % 2);
-  s.sink.seed = static_cast<std::uint16_t>(1 + random() % 65'535);
-  return s;
-}
-
 }  // namespace
 
 TEST_CASE("system: 100 random designs of triangle cores are the same in every pace, whatever the order of the units", "[system]") {
@@ -117,7 +106,7 @@ TEST_CASE("system: 100 random designs of triangle cores are the same in every pa
   std::uint64_t hits = 0, rays = 0, whole = 0;
   for (int round = 0; round < 100; ++round) {
     const design d = test::random_triangle_design(random);
-    const surroundings s = random_streams(random);
+    const surroundings s = test::random_streams(random);
     const bih_memory model = test::random_triangles(random, d);
     std::vector<job_packet> jobs;
     for (std::uint32_t id = 0, n = 1 + random() % 150; id < n; ++id) jobs.push_back(test::random_triangle_packet(random, id, d, model));
