@@ -26,13 +26,13 @@
 #include "modules/config/printable.h"
 #include "modules/config/schema.h"
 #include "modules/config/temporary.h"
-#include "testbench/convert_command.h"
-#include "testbench/explain_command.h"
-#include "testbench/info_command.h"
-#include "testbench/record_command.h"
-#include "testbench/run_command.h"
-#include "testbench/sweep_command.h"
-#include "testbench/unit_bench.h"
+#include "testbench/commands/convert_command.h"
+#include "testbench/commands/explain_command.h"
+#include "testbench/commands/info_command.h"
+#include "testbench/commands/record_command.h"
+#include "testbench/commands/run_command.h"
+#include "testbench/commands/sweep_command.h"
+#include "testbench/units/unit_bench.h"
 
 namespace {
 

@@ -13,8 +13,8 @@
 #include "modules/result_manager/result_manager.h"
 #include "modules/scheduler/scheduler.h"
 #include "modules/svo_core/svo_params.h"
-#include "modules/timing/waveform.h"
 #include "modules/t_div/t_div.h"
+#include "modules/timing/waveform.h"
 #include "modules/triangle_unit/triangle_unit.h"
 
 namespace rtusim {

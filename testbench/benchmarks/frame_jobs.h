@@ -6,7 +6,7 @@
 #include "modules/formats/svo_image.h"
 #include "modules/numeric/float_to_fixed.h"
 #include "modules/rtu/design.h"
-#include "testbench/driver.h"
+#include "testbench/kinds/driver.h"
 
 namespace rtusim {
 

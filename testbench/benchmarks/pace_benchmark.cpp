@@ -5,8 +5,8 @@
 #include <optional>
 #include <string>
 
+#include "testbench/bench/simulation.h"
 #include "testbench/benchmarks/frame_jobs.h"
-#include "testbench/simulation.h"
 #include "testbench/tests/in_child.h"
 
 namespace rtusim {

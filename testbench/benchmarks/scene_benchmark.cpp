@@ -1,8 +1,8 @@
 #include <benchmark/benchmark.h>
 
-#include "scenes/mesh.h"
-#include "scenes/svo_builder.h"
-#include "scenes/voxeliser.h"
+#include "scenes/meshes/mesh.h"
+#include "scenes/voxels/svo_builder.h"
+#include "scenes/voxels/voxeliser.h"
 
 namespace rtusim {
 namespace {

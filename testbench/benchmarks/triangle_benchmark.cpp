@@ -5,9 +5,9 @@
 
 #include "modules/bih_core/bih_walk.h"
 #include "modules/triangle_unit/triangle_intersector.h"
-#include "testbench/simulation.h"
+#include "testbench/bench/simulation.h"
+#include "testbench/kinds/triangle_model.h"
 #include "testbench/tests/in_child.h"
-#include "testbench/triangle_model.h"
 
 namespace rtusim {
 namespace {

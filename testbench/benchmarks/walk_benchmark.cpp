@@ -6,7 +6,7 @@
 #include "modules/svo_core/svo_walk.h"
 #include "testbench/benchmarks/frame_jobs.h"
 #include "testbench/benchmarks/reference_walk.h"
-#include "testbench/replay.h"
+#include "testbench/replay/replay.h"
 
 namespace rtusim {
 namespace {

@@ -12,8 +12,8 @@
 #include "modules/formats/svo_image.h"
 #include "modules/formats/word_view.h"
 #include "modules/numeric/fixed_point.h"
-#include "scenes/svo_builder.h"
-#include "scenes/voxel_grid.h"
+#include "scenes/voxels/svo_builder.h"
+#include "scenes/voxels/voxel_grid.h"
 #include "testbench/tests/random.h"
 
 /// Rays against every filled cube of a small octree, in whole numbers: no descent, no midpoints, no stack.

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "modules/timing/clock_domain.h"
-#include "testbench/stream.h"
+#include "testbench/bench/stream.h"
 #include "testbench/tests/in_child.h"
 
 namespace rtusim::test {

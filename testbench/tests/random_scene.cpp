@@ -1,6 +1,6 @@
 #include "testbench/tests/random_scene.h"
 
-#include "testbench/driver.h"
+#include "testbench/kinds/driver.h"
 
 namespace rtusim::test {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "testbench/simulation.h"
+#include "testbench/bench/simulation.h"
 #include "testbench/tests/random.h"
 
 namespace rtusim::test {

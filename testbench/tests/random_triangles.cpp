@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "modules/config/error.h"
-#include "scenes/bih_builder.h"
-#include "scenes/mesh.h"
-#include "scenes/quantised_triangles.h"
+#include "scenes/meshes/mesh.h"
+#include "scenes/triangles/bih_builder.h"
+#include "scenes/triangles/quantised_triangles.h"
 #include "testbench/tests/modules/triangle_unit/triangle_vectors.h"
 #include "testbench/tests/random_bih.h"
 

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "scenes/mesh.h"
+#include "scenes/meshes/mesh.h"
 
 /// Sound model files, made where they are needed.
 namespace rtusim::fuzz {

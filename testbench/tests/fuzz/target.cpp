@@ -4,9 +4,9 @@
 #include <fstream>
 
 #include "modules/config/files.h"
-#include "scenes/mesh.h"
-#include "scenes/svo_builder.h"
-#include "scenes/voxeliser.h"
+#include "scenes/meshes/mesh.h"
+#include "scenes/voxels/svo_builder.h"
+#include "scenes/voxels/voxeliser.h"
 
 namespace rtusim::fuzz {
 

@@ -1,10 +1,10 @@
 #include "modules/config/files.h"
-#include "scenes/binvox.h"
-#include "scenes/svo_builder.h"
-#include "scenes/voxeliser.h"
+#include "scenes/voxels/binvox.h"
+#include "scenes/voxels/svo_builder.h"
+#include "scenes/voxels/voxeliser.h"
 #include "testbench/tests/fuzz/models.h"
-#include "testbench/tests/scratch.h"
 #include "testbench/tests/fuzz/target.h"
+#include "testbench/tests/scratch.h"
 
 namespace rtusim::fuzz {
 namespace {

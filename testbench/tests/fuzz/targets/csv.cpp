@@ -1,8 +1,8 @@
 #include <cstdint>
 #include <limits>
 
+#include "modules/config/csv.h"
 #include "modules/config/error.h"
-#include "testbench/csv.h"
 #include "testbench/tests/fuzz/target.h"
 
 namespace rtusim::fuzz {

@@ -1,5 +1,5 @@
 #include "modules/config/files.h"
-#include "testbench/explain_command.h"
+#include "testbench/commands/explain_command.h"
 #include "testbench/tests/fuzz/target.h"
 
 namespace rtusim::fuzz {

@@ -1,4 +1,4 @@
-#include "testbench/job_file.h"
+#include "testbench/run/job_file.h"
 #include "testbench/tests/fuzz/models.h"
 #include "testbench/tests/fuzz/target.h"
 

@@ -1,5 +1,5 @@
 #include "modules/config/files.h"
-#include "testbench/pictures.h"
+#include "testbench/pictures/pictures.h"
 #include "testbench/tests/fuzz/target.h"
 
 namespace rtusim::fuzz {

@@ -1,5 +1,5 @@
-#include "testbench/driver.h"
-#include "testbench/ray_list.h"
+#include "scenes/rays/ray_list.h"
+#include "testbench/kinds/driver.h"
 #include "testbench/tests/fuzz/target.h"
 
 namespace rtusim::fuzz {

@@ -1,9 +1,9 @@
 #include <nlohmann/json.hpp>
 
-#include "testbench/record_command.h"
-#include "testbench/run_setup.h"
-#include "testbench/summary.h"
 #include "modules/config/files.h"
+#include "testbench/commands/record_command.h"
+#include "testbench/run/run_setup.h"
+#include "testbench/run/summary.h"
 #include "testbench/tests/fuzz/target.h"
 
 namespace rtusim::fuzz {

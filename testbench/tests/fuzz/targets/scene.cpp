@@ -1,4 +1,4 @@
-#include "testbench/run_setup.h"
+#include "testbench/run/run_setup.h"
 #include "testbench/tests/fuzz/target.h"
 
 namespace rtusim::fuzz {

@@ -1,5 +1,5 @@
 #include "modules/config/files.h"
-#include "testbench/run_setup.h"
+#include "testbench/run/run_setup.h"
 #include "testbench/tests/fuzz/target.h"
 
 namespace rtusim::fuzz {

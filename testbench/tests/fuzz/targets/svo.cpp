@@ -1,5 +1,5 @@
-#include "scenes/svo_builder.h"
-#include "testbench/scene.h"
+#include "scenes/voxels/octree_model.h"
+#include "scenes/voxels/svo_builder.h"
 #include "testbench/tests/fuzz/target.h"
 
 namespace rtusim::fuzz {

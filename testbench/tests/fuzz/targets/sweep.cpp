@@ -1,4 +1,4 @@
-#include "testbench/sweep_plan.h"
+#include "testbench/sweep/sweep_plan.h"
 #include "testbench/tests/fuzz/target.h"
 
 namespace rtusim::fuzz {

@@ -13,15 +13,15 @@
 #include <fmt/format.h>
 
 #include "modules/bih_core/bih_walk.h"
+#include "modules/config/csv.h"
 #include "modules/config/files.h"
 #include "modules/timing/waveform.h"
-#include "testbench/csv.h"
 #include "testbench/tests/in_child.h"
 #include "testbench/tests/modules/triangle_unit/triangle_vectors.h"
 #include "testbench/tests/random_bih.h"
 #include "testbench/tests/scratch.h"
 #include "testbench/tests/vcd.h"
-#include "testbench/unit_harness.h"
+#include "testbench/units/unit_harness.h"
 
 namespace rtusim {
 namespace {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "modules/bih_core/bih_walk.h"
-#include "testbench/csv.h"
+#include "modules/config/csv.h"
 #include "testbench/tests/random_bih.h"
 
 namespace rtusim {

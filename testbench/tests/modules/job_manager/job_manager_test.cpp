@@ -4,9 +4,9 @@
 
 #include <vector>
 
+#include "modules/config/csv.h"
 #include "modules/timing/clock_domain.h"
-#include "testbench/csv.h"
-#include "testbench/stream.h"
+#include "testbench/bench/stream.h"
 
 namespace rtusim {
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "modules/job_manager/ray_setup.h"
-#include "testbench/driver.h"
+#include "testbench/kinds/driver.h"
 #include "testbench/tests/random.h"
 
 /// Where rays enter the scene's box, and whether, against the slabs' distances as ratios of whole numbers, compared without a division.

@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <string>
 
+#include "modules/config/csv.h"
 #include "modules/numeric/fixed_point.h"
-#include "testbench/csv.h"
 #include "testbench/tests/random.h"
 
 namespace rtusim::numeric {

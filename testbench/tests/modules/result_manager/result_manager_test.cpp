@@ -11,7 +11,7 @@
 
 #include <fmt/format.h>
 
-#include "testbench/stream.h"
+#include "testbench/bench/stream.h"
 #include "testbench/tests/in_child.h"
 
 namespace rtusim {

@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "testbench/simulation.h"
+#include "testbench/bench/simulation.h"
 #include "testbench/tests/in_child.h"
 #include "testbench/tests/scratch.h"
 #include "testbench/tests/vcd.h"

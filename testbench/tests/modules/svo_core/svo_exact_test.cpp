@@ -8,7 +8,7 @@
 
 #include "modules/svo_core/svo_machine.h"
 #include "modules/svo_core/svo_walk.h"
-#include "testbench/driver.h"
+#include "testbench/kinds/driver.h"
 #include "testbench/tests/exact_voxels.h"
 
 /// Machine and walk without errata against every filled cube of a small octree.

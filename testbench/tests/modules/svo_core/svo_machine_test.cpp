@@ -4,9 +4,9 @@
 
 #include "testbench/tests/random.h"
 
+#include "modules/config/csv.h"
 #include "modules/formats/svo_image.h"
 #include "modules/svo_core/svo_walk.h"
-#include "testbench/csv.h"
 #include "testbench/tests/random_scene.h"
 
 namespace rtusim {

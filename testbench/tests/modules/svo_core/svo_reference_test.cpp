@@ -8,8 +8,8 @@
 #include "modules/formats/svo_image.h"
 #include "modules/numeric/float_to_fixed.h"
 #include "modules/svo_core/svo_walk.h"
-#include "scenes/svo_builder.h"
-#include "testbench/driver.h"
+#include "scenes/voxels/svo_builder.h"
+#include "testbench/kinds/driver.h"
 
 namespace rtusim {
 namespace {
@@ -92,7 +92,7 @@ TEST_CASE("svo_walk: with all errata off a frame of the dragon is that of a bina
   const std::vector<cell> cubes = cubes_of(image, resolution);
   const word_view words{image.words.data(), static_cast<std::uint32_t>(image.words.size()), (1u << 20) - 1};
   const svo_walk walk{svo_core_params{}};
-  const frame::params size;
+  const raster size;
   const std::vector<job_packet> packets = camera_jobs({}, size, {}, 0);
   REQUIRE(packets.size() == 1280 * 720);
 

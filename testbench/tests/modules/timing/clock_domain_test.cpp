@@ -7,7 +7,7 @@
 #include "modules/config/error.h"
 #include "modules/timing/channel.h"
 #include "modules/timing/waveform.h"
-#include "testbench/stream.h"
+#include "testbench/bench/stream.h"
 #include "testbench/tests/in_child.h"
 
 namespace rtusim {

@@ -9,9 +9,9 @@
 
 #include "modules/config/error.h"
 #include "modules/timing/clock_domain.h"
-#include "testbench/replay.h"
-#include "testbench/simulation.h"
-#include "testbench/stream.h"
+#include "testbench/bench/simulation.h"
+#include "testbench/bench/stream.h"
+#include "testbench/replay/replay.h"
 #include "testbench/tests/in_child.h"
 
 namespace rtusim {

@@ -10,7 +10,7 @@
 #include <fmt/format.h>
 
 #include "modules/timing/clock_domain.h"
-#include "testbench/stream.h"
+#include "testbench/bench/stream.h"
 #include "testbench/tests/scratch.h"
 #include "testbench/tests/vcd.h"
 

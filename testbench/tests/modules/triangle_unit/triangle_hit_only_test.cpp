@@ -6,7 +6,7 @@
 #include <cstdint>
 
 #include "modules/triangle_unit/triangle_intersector.h"
-#include "scenes/quantised_triangles.h"
+#include "scenes/triangles/quantised_triangles.h"
 #include "testbench/tests/modules/triangle_unit/triangle_vectors.h"
 
 namespace rtusim {

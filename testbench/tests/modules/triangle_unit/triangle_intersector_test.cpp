@@ -8,7 +8,7 @@
 #include <cstdint>
 
 #include "modules/config/error.h"
-#include "scenes/quantised_triangles.h"
+#include "scenes/triangles/quantised_triangles.h"
 #include "testbench/tests/modules/triangle_unit/triangle_vectors.h"
 
 namespace rtusim {

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "modules/config/csv.h"
 #include "modules/numeric/fixed_point.h"
 #include "modules/triangle_unit/triangle_unit.h"
-#include "testbench/csv.h"
 #include "testbench/tests/random.h"
 
 /// Rays and triangles for the intersector.

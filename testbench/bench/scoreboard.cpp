@@ -1,0 +1,88 @@
+#include "testbench/bench/scoreboard.h"
+
+#include "modules/config/error.h"
+
+namespace rtusim {
+
+scoreboard::scoreboard(rtu& unit, channel<job_packet>& jobs, channel<traversal_result>& results)
+    : job_latency_cycles_(unit.job_latency_cycles()), core_latency_cycles_(unit.core_latency_cycles()) {
+  std::size_t ring = 16;
+  while (ring < job_latency_cycles_ + 2 * unit.cores() + 2) ring *= 2;
+  flights_.resize(ring);
+  jobs.observe(*this, 0);
+  for (unsigned i = 0; i < unit.cores(); ++i) {
+    unit.visit([&](auto& front) { front.core_job[i].observe(*this, i); });
+    unit.core_results()[i].observe(*this, i);
+  }
+  results.observe(*this, unit_output);
+}
+
+void scoreboard::transferred(unsigned, cycle c, const job_packet& p) {
+  // Rays leave out of order, so a slot can be busy although fewer than the ring's are in flight: then the ring grows.
+  if (in_flight(accepted_).accepted != never) {
+    std::vector<flight> more(flights_.size() * 2);
+    for (std::uint32_t s = accepted_ - static_cast<std::uint32_t>(flights_.size()); s != accepted_; ++s)
+      more[s & (more.size() - 1)] = in_flight(s);
+    flights_ = std::move(more);
+  }
+  in_flight(accepted_++) = {p.job_word, 0, c, never, never};
+  if (accepted_handler_) accepted_handler_(accepted_ - 1);
+  figures_.last_accepted = c;
+}
+
+void scoreboard::dispatched(unsigned core, cycle c, std::uint32_t job_word, std::uint32_t sequence) {
+  flight& f = in_flight(sequence);
+  RTU_CHECK(f.job_word, ==, job_word);
+  RTU_CHECK(sequence, ==, dispatched_);
+  ++dispatched_;
+  f.dispatched = c;
+  f.core = core;
+}
+
+void scoreboard::transferred(unsigned which, cycle c, const traversal_result& r) {
+  flight& f = in_flight(r.sequence);
+  RTU_CHECK(f.job_word, ==, r.job_word);
+  if (which != unit_output) {
+    RTU_CHECK(f.core, ==, which);
+    RTU_CHECK(f.buffered, ==, never);
+    f.buffered = c;
+    return;
+  }
+  arrived(c, r);
+  f = {};
+}
+
+void scoreboard::arrived(cycle c, const traversal_result& r) {
+  const flight& f = in_flight(r.sequence);
+  RTU_CHECK(static_cast<std::uint32_t>(r.core), ==, f.core);
+  const cycle converted = f.accepted + job_latency_cycles_;
+  const cycle walked = f.dispatched + r.cost + core_latency_cycles_;
+  RTU_CHECK(f.dispatched, >=, converted);
+  RTU_CHECK(f.buffered, >=, walked);
+  RTU_CHECK(c, >, f.buffered);
+  const ray_waits waits{job_latency_cycles_, f.dispatched - converted, r.cost + core_latency_cycles_, f.buffered - walked,
+                        c - f.buffered};
+  RTU_CHECK(waits.latency_cycles(), ==, c - f.accepted);
+
+  figures_.count(c, r, waits.latency_cycles());
+  figures_.waits += waits;
+  if (handler_) handler_(c, r, waits.latency_cycles());
+  if (left_handler_) left_handler_(r.sequence);
+}
+
+void scoreboard::check_complete(std::uint64_t jobs) const {
+  RTU_CHECK(static_cast<std::uint64_t>(accepted_), ==, jobs);
+  RTU_CHECK(figures_.rays, ==, jobs);
+  for (const flight& f : flights_) RTU_CHECK(f.accepted, ==, never);
+}
+
+void ray_waits::describe(config::report& r, double rays) const {
+  const auto mean = [rays](std::uint64_t sum) { return rays == 0 ? 0.0 : static_cast<double>(sum) / rays; };
+  r.number("conversion", mean(conversion_cycles), "cycles/ray", "in the job manager's stages");
+  r.number("dispatch", mean(dispatch_cycles), "cycles/ray", "in the job manager, until a core takes the job");
+  r.number("traversal", mean(traversal_cycles), "cycles/ray", "in the core's states, and in the intersector behind a triangle core");
+  r.number("buffer", mean(buffer_cycles), "cycles/ray", "in the core, until its result buffer is empty");
+  r.number("result", mean(result_cycles), "cycles/ray", "in the result buffer, until the result leaves");
+}
+
+}  // namespace rtusim

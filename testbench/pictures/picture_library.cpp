@@ -1,0 +1,28 @@
+#include "testbench/pictures/picture_library.h"
+
+#include <dlfcn.h>
+
+#include <filesystem>
+#include <new>
+#include <string>
+
+#include "modules/config/error.h"
+
+namespace rtusim {
+
+void* picture_function(const char* name) {
+  constexpr const char* library_name = "librtusim_pictures.so";
+  // By its whole path: a sanitizer's dlopen does not know the program's search path.
+  const auto path = std::filesystem::read_symlink("/proc/self/exe").parent_path() / library_name;
+  void* const library = dlopen(path.c_str(), RTLD_LAZY | RTLD_LOCAL);
+  void* const function = library != nullptr ? dlsym(library, name) : nullptr;
+  if (function == nullptr) {
+    const std::string why = dlerror();
+    for (const char* word : {"memory", "failed to map", "cannot allocate", "cannot create", "cannot extend"})  // as the loader says it
+      if (why.find(word) != std::string::npos) throw std::bad_alloc();
+    throw input_error(library_name, why, "it beside the program, as the build leaves it");
+  }
+  return function;
+}
+
+}  // namespace rtusim

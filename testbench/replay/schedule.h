@@ -1,0 +1,381 @@
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "modules/config/error.h"
+#include "modules/job_manager/job_manager.h"
+#include "modules/rtu/design.h"
+#include "modules/svo_core/svo_core.h"
+#include "modules/svo_core/svo_walk.h"
+#include "testbench/bench/run_figures.h"
+#include "testbench/replay/replay.h"
+#include "testbench/replay/schedule_parts.h"
+
+namespace rtusim::replaying {
+
+/// A replay that goes on as rays are walked.
+class job_schedule {
+ public:
+  virtual ~job_schedule() = default;
+  virtual void advance(std::size_t end) = 0;
+  virtual run_figures finish(const numeric::float_to_fixed_stats& conversion) = 0;
+};
+
+/// One replay. `Held`: an offered result stays and the sink is not always ready.
+template <bool Held>
+class schedule final : public job_schedule {
+ public:
+  schedule(const design& d, const surroundings& s, const walked_rays& walked, const result_handler& handler)
+      : design_(d),
+        watchdog_(s.watchdog_cycles),
+        policy_(d.scheduler_.select),
+        walked_(walked),
+        handler_(handler),
+        cores_(d.rtu.cores),
+        by_cores_(d.rtu.cores),
+        offered_steps_(d.rtu.cores + 1),
+        buses_(d.rtu.cores),
+        core_params_(d.svo_core_params_with_format()),
+        source_(s.source),
+        stages_(stages),
+        accepted_(Held ? walked.size : 0) {
+    if (s.sink.ready == sink_params::regime::lfsr) sink_.emplace(s.sink.seed);
+    figures_.clock_mhz = d.rtu.clock_mhz;
+    jobs_.jobs = walked_.size;
+  }
+
+  /// Follows the jobs before `end`, which are walked.
+  void advance(std::size_t end) override {
+    for (; next_job_ < end; ++next_job_) replay_job(next_job_);
+  }
+  run_figures finish(const numeric::float_to_fixed_stats& conversion) override {
+    jobs_.conversion = conversion;
+    figures_.add(jobs_);
+    if constexpr (Held) follow_drains(never);
+    order_.flush(last_result_ + 1, [this](cycle c, const leaving_order::result& r) { leave(c, r); });
+    check_watchdog(last_dispatch_, last_result_);
+    collect();
+    return std::move(figures_);
+  }
+
+ private:
+  static constexpr unsigned stages = job_manager::latency_cycles;
+  using policy = scheduler_params::policy;
+
+  void replay_job(std::uint32_t j) {
+    const walked_ray& ray = walked_.rays[j];
+    // The source offers, the stages move.
+    cycle accepted = source_.next(source_.offered_from());
+    for (cycle moves; (moves = stages_.next_move(accepted)) != accepted;) accepted = source_.next(moves);
+    source_.accept(accepted);
+    figures_.results.last_accepted = accepted;
+    const cycle output_from = stages_.output_from(accepted);
+
+    const cycle dispatched = dispatch(output_from);
+    check_watchdog(last_dispatch_, dispatched);
+    stages_.dispatch(output_from, dispatched);
+    core_schedule& core = cores_[chosen_];
+    account_dispatch(core, output_from, dispatched);
+    last_dispatch_ = dispatched;
+    if (ray.overflow)
+      throw svo_stack_overflow(fmt::format("rtu.core_{}", chosen_), design_.svo_core.stack_depth, j, ray.job_word, dispatched);
+
+    ++core.jobs;
+    core.hits += ray.hit;
+    core.cost += ray.cost;
+    core.pushes += ray.pushes;
+    core.depth += ray.depth;
+    core.ends += !ray.hit && ray.cost > 2;
+    auto& waits = figures_.results.waits;
+    waits.dispatch_cycles += dispatched - accepted - stages;
+    waits.traversal_cycles += ray.cost + std::uint64_t{1};
+
+    const cycle done = dispatched + ray.cost + 1;
+    if constexpr (Held) {
+      accepted_[j] = accepted;
+      core.free_from = never;
+      if (core.buffered == never) {
+        fill_buffer(core, done, j);
+      } else {
+        core.done = done;
+        core.next_job = j;
+      }
+    } else {
+      const cycle buffered = core.drained == never ? done : std::max(done, core.drained + 1);
+      // The select meets the buffer every N cycles; in each such cycle it is offered.
+      const cycle first = policy_ == policy::cyclic_first_available
+                              ? dispatched + by_cores_.quotient(buffered - dispatched + cores_.size()) * cores_.size()
+                              : next_turn(buffered + 1);
+      cycle drained = first;
+      std::uint64_t offers = 1;
+      if (sink_) {
+        for (; (sink_->state(drained) & 1) == 0; ++offers) {
+          drained += cores_.size();
+          if (offers > lfsr::period) throw too_far_apart();
+        }
+      }
+      result_valid_cycles_ += offers;
+      core.free_from = buffered + 1;
+      core.drained = drained;
+      core.waited_cycles += buffered - done;
+      core.full_cycles += drained - buffered;
+      last_result_ = std::max(last_result_, drained);
+      order_.add(drained, {j, chosen_, drained - accepted});
+    }
+    if (order_.span(dispatched) >= leaving_order::batch)
+      order_.flush(dispatched, [this](cycle c, const leaving_order::result& r) { leave(c, r); });
+  }
+
+  /// The first cycle >= c in which the select points at the chosen core.
+  cycle next_turn(cycle c) const {
+    const unsigned now = by_cores_.remainder(c);
+    return c + (chosen_ >= now ? chosen_ - now : chosen_ + cores_.size() - now);
+  }
+
+  /// The cycle >= c in which the policy finds a core; that is then `chosen_`.
+  cycle dispatch(cycle c) {
+    const auto cores = static_cast<unsigned>(cores_.size());
+    switch (policy_) {
+      case policy::cyclic_first_available: {
+        const std::uint64_t turned = select_ + (c - select_cycle_);
+        unsigned at = turned < cores ? static_cast<unsigned>(turned) : by_cores_.remainder(turned);
+        for (;; ++c, at = at + 1 < cores ? at + 1 : 0) {
+          know(c);
+          if (cores_[at].free_from <= c) break;
+        }
+        chosen_ = select_ = at;
+        select_cycle_ = c;
+        return c;
+      }
+      case policy::round_robin:
+        chosen_ = in_line_;
+        in_line_ = in_line_ + 1 < cores ? in_line_ + 1 : 0;
+        if constexpr (Held)
+          for (know(c); cores_[chosen_].free_from > c; know(c)) ++c;
+        return std::max(c, cores_[chosen_].free_from);
+      case policy::first_available: break;
+    }
+    for (know(c);; know(++c)) {
+      for (chosen_ = 0; chosen_ < cores; ++chosen_)
+        if (cores_[chosen_].free_from <= c) return c;
+      if constexpr (!Held) c = std::max(c, earliest_free() - 1);
+    }
+  }
+
+  cycle earliest_free() const {
+    cycle least = never;
+    for (const auto& core : cores_) least = std::min(least, core.free_from);
+    return least;
+  }
+
+  /// Sees to it that all drains before cycle c are known.
+  void know(cycle c) {
+    if constexpr (Held) {
+      if (c > 0) follow_drains(c - 1);
+    }
+  }
+
+  void fill_buffer(core_schedule& core, cycle buffered, std::uint32_t job) {
+    core.buffered = buffered;
+    core.job = job;
+    core.done = never;
+    core.free_from = buffered + 1;
+    ++outstanding_;
+  }
+
+  /// Follows the select as far as cycle `end` and notes what drains.
+  void follow_drains(cycle end) {
+    while (turn_cycle_ <= end) {
+      if (outstanding_ == 0) {
+        if (end == never) return;
+        turn_ = by_cores_.remainder(turn_ + (end + 1 - turn_cycle_));
+        turn_cycle_ = end + 1;
+        return;
+      }
+      core_schedule& core = cores_[turn_];
+      cycle drained = turn_cycle_;
+      if (core.buffered != never && core.buffered < turn_cycle_) {
+        drained = sink_->next(turn_cycle_);
+        if (drained > end) return;  // offered, and taken later
+        result_valid_cycles_ += drained - turn_cycle_ + 1;
+        core.full_cycles += drained - core.buffered;
+        last_result_ = std::max(last_result_, drained);
+        order_.add(drained, {core.job, turn_, drained - accepted_[core.job]});
+        --outstanding_;
+        if (core.done != never) {
+          const cycle buffered = std::max(core.done, drained + 1);
+          core.waited_cycles += buffered - core.done;
+          fill_buffer(core, buffered, core.next_job);
+        } else {
+          core.buffered = never;
+        }
+      }
+      turn_cycle_ = drained + 1;
+      turn_ = turn_ + 1 < cores_.size() ? turn_ + 1 : 0;
+    }
+  }
+
+  void account_dispatch(core_schedule& core, cycle output_from, cycle dispatched) {
+    const cycle idle = dispatched - core.free_from;  // cycles in which the core was ready before this one
+    core.idle_cycles += idle + 1;
+    pending_valid_cycles_ += dispatched - output_from + 1;
+    const cycle behind = last_dispatch_ == never ? 0 : last_dispatch_ + 1;
+    switch (policy_) {
+      case policy::cyclic_first_available:
+        core.idle_selected += by_cores_.quotient(idle) + 1;
+        if (dispatched == output_from)
+          ++core.offered_cycles;
+        else
+          offer_in_turn(output_from, dispatched);
+        break;
+      case policy::round_robin:
+        core.offered_cycles += dispatched - output_from + 1;
+        ready_cycles_ += dispatched - std::max(behind, core.free_from) + 1;
+        break;
+      case policy::first_available:
+        ++core.offered_cycles;
+        ready_cycles_ += dispatched - std::max(behind, earliest_free()) + 1;
+        break;
+    }
+  }
+
+  /// A job is shown to one core after the other in the cycles [from, to].
+  void offer_in_turn(cycle from, cycle to) {
+    const auto cores = static_cast<unsigned>(cores_.size());
+    const cycle length = to - from + 1;
+    offered_turns_ += by_cores_.quotient(length);
+    const unsigned rest = by_cores_.remainder(length);
+    if (rest == 0) return;
+    const unsigned first = chosen_ + 1 >= rest ? chosen_ + 1 - rest : chosen_ + 1 + cores - rest;
+    ++offered_steps_[first];
+    --offered_steps_[chosen_ + 1];
+    if (first > chosen_) ++offered_steps_[0], --offered_steps_[cores];
+  }
+
+  void leave(cycle c, const leaving_order::result& r) {
+    const walked_ray& ray = walked_.rays[r.job];
+    traversal_result t;
+    t.job_word = ray.job_word;
+    t.cost = ray.cost;
+    t.hit = ray.hit;
+    t.t_hit = ray.t_hit;
+    t.core = static_cast<std::uint16_t>(r.core);
+    t.sequence = r.job;
+    figures_.results.count(c, t, r.latency_cycles);
+    if (!handler_) return;
+    // What the bus carries: a miss may keep the core's last hit.
+    svo_outcome o;
+    o.hit = ray.hit;
+    o.t_hit = ray.t_hit;
+    o.axis = ray.axis;
+    auto& bus = buses_[r.core];
+    bus.take(o, ray.job_word >> job_id_bits & 7, core_params_);
+    t.t_hit = bus.t_hit;
+    t.normal_axis = bus.axis;
+    t.normal_sign = bus.sign;
+    handler_(c, t, r.latency_cycles);
+  }
+
+  input_error too_far_apart() const {
+    return input_error("--pace replay", fmt::format("transfers more than watchdog.cycles = {} apart", watchdog_),
+                       "--pace skipping for such a run");
+  }
+  void check_watchdog(cycle from, cycle to) const {
+    if (to - (from == never ? 0 : from) > watchdog_) throw too_far_apart();
+  }
+
+  /// The figures that follow from the sums.
+  void collect() {
+    const cycle end = last_result_ + 1;
+    const std::uint64_t jobs = walked_.size;
+    auto& waits = figures_.results.waits;
+    waits.conversion_cycles = jobs * stages;
+    for (const auto& core : cores_) {
+      waits.buffer_cycles += core.waited_cycles;
+      waits.result_cycles += core.full_cycles;
+    }
+    // Behind the last dispatch.
+    switch (policy_) {
+      case policy::cyclic_first_available:
+        for (unsigned i = 0; i < cores_.size(); ++i) {
+          chosen_ = i;
+          const cycle turn = next_turn(cores_[i].free_from);
+          ready_cycles_ += cores_[i].idle_selected + (turn < end ? by_cores_.quotient(end - 1 - turn) + 1 : 0);
+        }
+        break;
+      case policy::round_robin: ready_cycles_ += cycles_from(cores_[in_line_].free_from, last_dispatch_ + 1, end); break;
+      case policy::first_available: ready_cycles_ += cycles_from(earliest_free(), last_dispatch_ + 1, end); break;
+    }
+    const auto channel = [&](std::string name, std::uint64_t transfers, std::uint64_t valid, std::uint64_t ready) {
+      figures_.channels.emplace_back(std::move(name),
+                                     channel_stats{transfers, ready - transfers, valid - transfers, end + transfers - valid - ready});
+    };
+    channel("pending_job", jobs, pending_valid_cycles_, ready_cycles_);
+    std::int64_t steps = 0;
+    for (unsigned i = 0; i < cores_.size(); ++i) {
+      core_schedule& core = cores_[i];
+      core.idle_cycles += cycles_from(core.free_from, 0, end);
+      steps += offered_steps_[i];
+      channel(fmt::format("core_job_{}", i), core.jobs, core.offered_cycles + offered_turns_ + static_cast<std::uint64_t>(steps),
+              core.idle_cycles);
+    }
+    for (unsigned i = 0; i < cores_.size(); ++i)
+      channel(fmt::format("core_result_{}", i), cores_[i].jobs, cores_[i].jobs + cores_[i].waited_cycles, end - cores_[i].full_cycles);
+    channel("job", jobs, source_.valid_cycles(), end - stages_.stalled());
+    channel("result", jobs, result_valid_cycles_, sink_ ? sink_->count(0, end) : end);
+
+    for (const auto& core : cores_) {
+      svo_core::stats s;
+      s.jobs = core.jobs;
+      s.hits = core.hits;
+      s.cost = core.cost;
+      s.idle_cycles = core.idle_cycles;
+      s.out_cycles = core.jobs + core.waited_cycles;
+      s.visits = visits_of_sums(core.jobs, core.cost, core.pushes, core.depth, core.ends);
+      figures_.add(s);
+    }
+  }
+
+  const design& design_;
+  cycle watchdog_;
+  policy policy_;
+  const walked_rays& walked_;
+  const result_handler& handler_;
+  job_manager::stats jobs_;
+  std::vector<core_schedule> cores_;
+  divider by_cores_;
+  std::vector<std::int64_t> offered_steps_;  // as the scheduler's: whole turns, and what goes beyond them
+  std::uint64_t offered_turns_ = 0;
+  std::vector<svo_result_registers> buses_;
+  svo_core_params core_params_;
+  source_schedule source_;
+  stages_schedule stages_;
+  std::optional<lfsr> sink_;
+  leaving_order order_;
+  run_figures figures_;
+
+  std::uint32_t next_job_ = 0;
+  unsigned chosen_ = 0;
+  unsigned select_ = 0;              // cyclic: the select in `select_cycle_`
+  cycle select_cycle_ = 0;
+  unsigned in_line_ = 0;             // round robin
+  cycle last_dispatch_ = never;
+  cycle last_result_ = 0;
+  std::uint64_t pending_valid_cycles_ = 0;
+  std::uint64_t ready_cycles_ = 0;   // of the scheduler
+  std::uint64_t result_valid_cycles_ = 0;
+  // Where drains are followed in time.
+  unsigned turn_ = 0;                // the select in `turn_cycle_`
+  cycle turn_cycle_ = 0;
+  std::uint64_t outstanding_ = 0;    // results in buffers or on their way there
+  std::vector<cycle> accepted_;
+};
+
+}  // namespace rtusim::replaying

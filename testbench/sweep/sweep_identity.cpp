@@ -1,0 +1,105 @@
+#include "testbench/sweep/sweep_identity.h"
+
+#include <algorithm>
+#include <initializer_list>
+
+#include <fmt/format.h>
+
+#include "modules/config/endings.h"
+#include "modules/config/error.h"
+#include "modules/config/files.h"
+#include "scenes/meshes/mesh.h"
+#include "testbench/run/summary.h"
+#include "testbench/sweep/source_checksum.h"
+
+namespace rtusim {
+namespace {
+
+using json = nlohmann::ordered_json;
+
+/// What a point's folder means. Counted up when results of the same sources get another meaning, as by another compiler.
+constexpr int results_meaning = 1;
+
+/// The files that a run reads for its model and rays.
+std::vector<config::input_file> inputs_of(const scene::model_params& m) {
+  const config::input_ledger ledger;
+  const std::string ending = config::unzipped_ending_of(m.model);
+  if (ending == ".gltf" || ending == ".glb")
+    read_mesh(m.model, m.patch_quads);  // and its buffers
+  else
+    config::read_file(m.model);
+  if (!m.rays.empty()) config::read_file(m.rays);
+  return ledger.files();
+}
+
+/// The parameters with the endings of files in place of their names: they tell how a file is read.
+json nameless(json parameters) {
+  for (const char* key : {"model", "rays"})
+    if (auto& section = parameters["scene"]; section.contains(key)) section[key] = config::unzipped_ending_of(section[key].get<std::string>());
+  return parameters;
+}
+
+json sections_of(const json& parameters, std::initializer_list<const char*> names) {
+  json some = json::object();
+  for (const char* name : names)
+    if (parameters.contains(name)) some[name] = parameters[name];
+  return some;
+}
+
+json checksums_of(const std::vector<config::input_file>& inputs) {
+  json list = json::array();
+  for (const config::input_file& f : inputs) list.push_back(f.sha256);
+  return list;
+}
+
+std::string line_of(const json& all) { return all.dump(-1, ' ', false, json::error_handler_t::replace) + '\n'; }
+
+}  // namespace
+
+std::vector<sweep_task> tasks_of(const sweep_plan& plan) {
+  std::map<std::pair<std::string, std::string>, std::vector<config::input_file>> known;
+  std::vector<sweep_task> tasks;
+  tasks.reserve(plan.points().size());
+  for (std::size_t i = 0; i < plan.points().size(); ++i) {
+    sweep_task t;
+    t.number = i;
+    t.point = &plan.points()[i];
+    try {
+      const auto s = plan.setup(*t.point);
+      const auto& m = s->what.model;
+      const auto files = std::pair(m.model, m.rays);
+      if (known.count(files) == 0) known.emplace(files, inputs_of(m));
+      t.inputs = known.at(files);
+      const json parameters = nameless(s->parameters.values());
+      t.identity = identity_of(*s, t.inputs);
+      t.name = config::sha256_of(line_of({{"inputs", checksums_of(t.inputs)}, {"parameters", parameters}})).substr(0, 16);
+      t.walk = line_of({{"inputs", checksums_of(t.inputs)},
+                        {"parameters", sections_of(parameters, {"scene", "frame", "camera", "driver", "fixed_point", "float_to_fixed",
+                                                                "svo_core", "memory", "quantisation", "bih_builder"})},
+                        {"address_bits", parameters.value("/bih_core/address_bits"_json_pointer, 0)}});
+    } catch (const input_error& e) {
+      t.failure = plan.named_as_written(e.what());
+      t.name = config::sha256_of(fmt::format("point {} of {}: {}", i, plan.scene_name(*t.point), t.failure)).substr(0, 16);
+    }
+    tasks.push_back(std::move(t));
+  }
+  return tasks;
+}
+
+std::string identity_of(const run_setup& s, const std::vector<config::input_file>& inputs) {
+  return line_of({{"meaning", results_meaning},
+                  {"program", source_checksum()},
+                  {"statistics", run_record::version},
+                  {"inputs", checksums_of(inputs)},
+                  {"parameters", nameless(s.parameters.values())}});
+}
+
+std::string changed_input(const std::vector<config::input_file>& expected, const std::vector<config::input_file>& read, bool whole) {
+  const std::size_t both = std::min(expected.size(), read.size());
+  for (std::size_t i = 0; i < both; ++i)
+    if (expected[i].sha256 != read[i].sha256) return read[i].file.string();
+  if (read.size() > both) return read[both].file.string();
+  return whole && expected.size() > both ? expected[both].file.string() : "";
+}
+
+}  // namespace rtusim
