@@ -60,7 +60,7 @@ turned_taps spirals(float radius) {
 }
 
 /// What the two steps share.
-struct raster {
+struct shown_points {
   const frame& f;
   int width = static_cast<int>(f.width()), height = static_cast<int>(f.height());
   float size = pixel_size(f);                                                          // of a pixel
@@ -88,7 +88,7 @@ struct raster {
   }
 };
 
-void round_voxels(const raster& r, std::vector<vec>& normals) {
+void round_voxels(const shown_points& r, std::vector<vec>& normals) {
   const float far = 9 * r.edge * r.edge;
   const std::vector<vec> faces = normals;
   r.hits([&](std::size_t i, int x, int y) {
@@ -110,7 +110,7 @@ void round_voxels(const raster& r, std::vector<vec>& normals) {
   });
 }
 
-std::vector<float> open_sky(const raster& r, const std::vector<vec>& normals) {
+std::vector<float> open_sky(const shown_points& r, const std::vector<vec>& normals) {
   std::vector<float> open(r.f.pixels().size(), 1.0f);
   const float widest = most_share * static_cast<float>(std::max(r.width, r.height));
   const turned_taps offsets = spirals(std::min(reach / r.size, widest));
@@ -152,7 +152,7 @@ surface_shade shade_of(const frame& f) {
   for (std::size_t i = 0; i < shade.normals.size(); ++i) shade.normals[i] = normal_of(f, i);
   shade.open.assign(shade.normals.size(), 1.0f);
   if (f.where().points.empty()) return shade;
-  const raster r{f};
+  const shown_points r{f};
   if (!(r.size > 0) || reach / r.size < 2) return shade;
   if (r.rounding > 0) round_voxels(r, shade.normals);
   shade.open = open_sky(r, shade.normals);

@@ -17,7 +17,7 @@ struct surface_shade {
 ///
 /// Normals: a triangle's is its own. Of voxels that are but a few pixels wide the faces around are averaged, as the eye would; large ones
 /// show their faces. The sky: McGuire, Mara, Luebke 2012 (Scalable Ambient Obscurance), sec. 2.3; surroundings reach 0.22 world units.
-/// Without places in the frame, and for rays that lie in no raster, normals are the faces' and the sky is open.
+/// Without places in the frame, and for rays that lie on no grid of pixels, normals are the faces' and the sky is open.
 surface_shade shade_of(const frame& picture);
 
 }  // namespace rtusim
