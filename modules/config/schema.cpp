@@ -345,12 +345,22 @@ std::vector<std::string> schema::keys() const {
   return all;
 }
 
-void schema::read_toml(const std::filesystem::path& file, const std::set<std::string>& sections) {
+std::set<std::string> schema::sections_of(std::string_view kind) const {
+  std::set<std::string> names;
+  for (const auto& s : sections_) {
+    const std::string& home = homes_.at(s.name());
+    if (home.empty() || home == kind) names.insert(s.name());
+  }
+  return names;
+}
+
+void schema::read_toml(const std::filesystem::path& file, std::string_view kind) {
   const auto text = read_file(file, most_toml_bytes);
   if (text.find('\0') != text.npos) throw input_error(file.string(), "a binary file", "a TOML file");
   const auto document = parse_toml(text, file.string());
   toml_reader reader{*this, file.string(), true, {}};
   for (const auto& [name, value] : document) reader.read(component(name.str()), 1, value, name.source().begin);
+  const std::set<std::string> sections = sections_of(kind);
   apply(reader.assignments(), &sections);
 }
 
@@ -435,9 +445,7 @@ void schema::set_all_errata(const assignment& a, const std::set<std::string>* al
 
 void schema::check_home(const assignment& a, const std::string& section_name, const std::set<std::string>* allowed) const {
   if (!allowed || allowed->count(section_name) > 0) return;
-  const auto home = homes_.find(section_name);
-  throw input_error(a.place, a.key + (home->second.empty() ? " does not belong in this file" : " belongs in " + home->second),
-                    "keys of " + alternatives(*allowed));
+  throw input_error(a.place, a.key + " belongs in " + homes_.at(section_name), "keys of " + alternatives(*allowed));
 }
 
 /// For a key that is no parameter's: fine when it is an empty table `[section]`, else an error.

@@ -22,7 +22,7 @@ namespace rtusim::config {
 class schema {
  public:
   /// Describes `params` as a section. Its present values become the defaults.
-  /// `home`: the kind of file its keys stand in, for the message when they stand in another: "a scene file".
+  /// `home`: the kind of file its keys stand in, "a scene file"; empty: they stand in any.
   template <class Params>
   void add(std::string_view name, Params& params, std::string_view home = {}) {
     sections_.emplace_back(std::string(name));
@@ -39,12 +39,11 @@ class schema {
   /// `count` is the long form of `rtu.core` and `rtu.cores`. `why_one`: why a second entry is refused.
   void entry_form(std::string key, std::map<std::string, std::string> fields, std::string why_one = "this version takes one");
 
-  /// Reads a TOML file. `sections`: the top-level tables this file may hold; `[errata]` comes with any that has an erratum.
+  /// Reads a TOML file of a kind: it may hold the sections whose home it is, those without one, and `[errata]`.
   /// Errors: input_error for a file that is missing, a folder, unreadable, larger than 1 MiB or no TOML; for a key that nobody
   /// declares, naming the nearest one; for a section of another kind of file; for a parameter given twice; for a value of the
   /// wrong type or out of range. Each with file and line.
-  void read_toml(const std::filesystem::path& file, const std::set<std::string>& sections);
-
+  void read_toml(const std::filesystem::path& file, std::string_view kind);
   /// Applies a record that `values` gave; `place` names its source in errors, which are those of `read_toml`.
   void read_json(const nlohmann::json& values, const std::string& place);
 
@@ -86,6 +85,7 @@ class schema {
   void refuse_unknown(const assignment& a, const std::set<std::string>* allowed) const;
   void check_home(const assignment& a, const std::string& section_name, const std::set<std::string>* allowed) const;
   std::vector<std::string> keys() const;
+  std::set<std::string> sections_of(std::string_view kind) const;
   std::string page(const std::function<bool(std::string_view)>& is_wanted) const;
 
   std::deque<section> sections_;

@@ -21,20 +21,20 @@ void bih_builder_params::describe(config::section& s) {
 }
 
 void design::describe(config::schema& s) {
-  s.add("rtu", rtu);
+  s.add("rtu", rtu, home);
   s.entry_form("rtu.core", {{"kind", "rtu.core"}, {"count", "rtu.cores"}});
-  s.add("driver", driver);
-  s.add("fixed_point", fixed_point);
-  s.add("float_to_fixed", float_to_fixed);
-  s.add("quantisation", quantisation_);
-  s.add("bih_builder", bih_builder);
-  s.add("scheduler", scheduler_);
-  s.add("svo_core", svo_core);
-  s.add("bih_core", bih_core);
-  s.add("t_div", t_div_);
-  s.add("triangle_unit", triangle_unit_);
-  s.add("result_manager", result_manager_);
-  s.add("memory", memory_);
+  s.add("driver", driver, home);
+  s.add("fixed_point", fixed_point, home);
+  s.add("float_to_fixed", float_to_fixed, home);
+  s.add("quantisation", quantisation_, home);
+  s.add("bih_builder", bih_builder, home);
+  s.add("scheduler", scheduler_, home);
+  s.add("svo_core", svo_core, home);
+  s.add("bih_core", bih_core, home);
+  s.add("t_div", t_div_, home);
+  s.add("triangle_unit", triangle_unit_, home);
+  s.add("result_manager", result_manager_, home);
+  s.add("memory", memory_, home);
   s.read_when({"driver.last_sign_only", "driver.only_zero_replaced", "fixed_point", "float_to_fixed", "svo_core", "memory"}, [this] { return !has_triangles(); },
               "rtu.core = svo");
   s.read_when({"driver.norm", "driver.skip_misses", "quantisation", "bih_builder", "bih_core", "t_div", "triangle_unit"},
@@ -45,13 +45,6 @@ void design::describe(config::schema& s) {
 bool design::has_triangles() const {
   if (benched.empty()) return rtu.core == rtu_params::core_kind::bih;
   return benched == "t_div" || benched == "triangle_unit" || benched == "bih_core";
-}
-
-const std::set<std::string>& design::sections() {
-  static const std::set<std::string> names{"rtu",      "driver",   "fixed_point", "float_to_fixed", "quantisation",   "scheduler",
-                                           "svo_core", "bih_core", "t_div",       "triangle_unit",  "result_manager", "memory",
-                                           "errata",   "bih_builder"};
-  return names;
 }
 
 svo_core_params design::svo_core_params_with_format() const {

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 
 #include "modules/bih_core/bih_params.h"
 #include "modules/config/schema.h"
@@ -74,8 +75,8 @@ struct design {
 
   /// Adds all sections; the design must then stay where it is.
   void describe(config::schema& s);
-  /// The names of these sections: what an architecture file may hold.
-  static const std::set<std::string>& sections();
+  /// The kind of file that these sections stand in.
+  static constexpr std::string_view home = "an architecture file";
   /// Whether its cores, or the unit that is alone, work on triangles.
   bool has_triangles() const;
 

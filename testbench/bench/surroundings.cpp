@@ -24,9 +24,4 @@ void surroundings::describe(config::schema& s) {
   s.add("watchdog", watchdog_);
 }
 
-const std::set<std::string>& surroundings::sections() {
-  static const std::set<std::string> names{"source", "sink", "watchdog"};
-  return names;
-}
-
 }  // namespace rtusim

@@ -1,8 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <set>
-#include <string>
 
 #include "modules/config/schema.h"
 #include "modules/config/section.h"
@@ -39,8 +37,8 @@ struct surroundings {
   sink_params sink;
   std::uint64_t watchdog_cycles = 1'000'000;
 
+  /// Its sections may stand in any file.
   void describe(config::schema& s);
-  static const std::set<std::string>& sections();
 
  private:
   struct watchdog_params {

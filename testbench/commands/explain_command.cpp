@@ -7,11 +7,8 @@
 #include <fmt/format.h>
 
 #include "modules/config/error.h"
-#include "modules/config/schema.h"
-#include "modules/rtu/design.h"
 #include "testbench/bench/run_figures.h"
-#include "testbench/bench/simulation.h"
-#include "testbench/run/scene.h"
+#include "testbench/run/run_setup.h"
 #include "testbench/run/summary.h"
 
 namespace rtusim {
@@ -54,13 +51,8 @@ std::string explain_text(const std::string& key) {
   std::string figures = figures_text(entries, begins);
   if (!key.empty() && !figures.empty()) return figures;
 
-  design d;
-  surroundings around;
-  scene what;
-  config::schema parameters;
-  d.describe(parameters);
-  around.describe(parameters);
-  what.describe(parameters);
+  const run_parameters all;
+  const config::schema& parameters = all.parameters;
   std::string text;
   try {
     text = parameters.explain(key);

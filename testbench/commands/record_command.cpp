@@ -12,8 +12,7 @@
 #include "modules/config/input_ledger.h"
 #include "modules/config/json.h"
 #include "modules/config/printable.h"
-#include "testbench/replay/replay.h"
-#include "testbench/run/job_file.h"
+#include "testbench/run/procedure.h"
 #include "testbench/run/record_paths.h"
 #include "testbench/run/run_setup.h"
 #include "testbench/run/summary.h"
@@ -97,34 +96,17 @@ void rerun(const rerun_options& o) {
   const std::filesystem::path job_file = file_of("jobs");
   config::check_writable_apart({o.statistics}, {o.record, s.what.model.model, s.what.model.rays, job_file});
   const config::input_ledger read;
-  const loaded_model model(s);
-  model.settle(s);
-  const sent_jobs sent = job_file.empty() ? model.jobs(s, 2, false) : model.jobs(read_jobs(job_file));
-  const std::vector<job_packet>& jobs = sent.packets;
+  run_inputs inputs(s, job_file, 2, false);
   config::check_apart({o.statistics}, read.names());  // a mesh may have more files than one
-
-  run_record record;
-  record.inputs = inputs_of(s, model, jobs);
-  for (const char* name : {"scene", "architecture", "jobs"}) record.inputs[name] = file_of(name).string();
+  for (const char* name : {"scene", "architecture", "jobs"}) inputs.record[name] = file_of(name).string();
   for (const char* name : {"model_crc32", "jobs_crc32"})
-    if (old["inputs"].value(name, "") != record.inputs[name])
+    if (old["inputs"].value(name, "") != inputs.record[name])
       throw input_error(o.record.string(), fmt::format("inputs.{} = {}", name, old["inputs"].value(name, "none")),
-                        fmt::format("{}, of what lies there now", record.inputs[name].get<std::string>()));
-  run_figures figures;
-  simulator_figures speed;
-  speed.pace = old["simulator"].value("pace", "");
-  if (speed.pace == "replay" && replay_obstacle(s.unit, s.bench).empty()) {
-    figures = replay(s.unit, s.bench, model.octree(), jobs, 2, {});
-  } else {
-    simulation sim(s.unit, s.bench, model.view(), jobs, pace::skipping);
-    sim.run();
-    figures = sim.figures();
-  }
-  figures.host = sent.host;
-  config::report statistics;
-  figures.describe(statistics);
-  record.parameters = s.parameters.values();
-  record.statistics = statistics.values();
+                        fmt::format("{}, of what lies there now", inputs.record[name].get<std::string>()));
+  run_manner manner;
+  if (old["simulator"]["pace"] == run_pace_words[static_cast<std::size_t>(run_pace::replay)]) manner.pace = quickest_pace(s);
+  const traced_run run = trace(s, inputs, manner);
+  run_record record = record_of(s, inputs, run);
   record.simulator = old["simulator"];
   if (!o.statistics.empty()) write_record(o.statistics, record);
 
@@ -137,7 +119,7 @@ void rerun(const rerun_options& o) {
     throw simulation_error(o.record.string() + ": run again, figures differ");
   }
   if (!o.quiet)
-    fmt::print(config::stream_beside({o.statistics}), "the same figures again: {} cycles, checksum {}\n", figures.results.total_cycles(),
+    fmt::print(config::stream_beside({o.statistics}), "the same figures again: {} cycles, checksum {}\n", run.figures.results.total_cycles(),
                shown(&record.statistics["checksum"]));
 }
 

@@ -4,16 +4,12 @@
 #include <filesystem>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
-#include "modules/timing/clock_domain.h"
+#include "modules/timing/offer.h"
+#include "testbench/run/procedure.h"
 
 namespace rtusim {
-
-/// How a run comes by its cycles: the paces of the clock (`pace`, in the same order), or the replay of all rays' costs.
-enum class run_pace : std::uint8_t { skipping, stepped, checked, replay };
-inline constexpr std::string_view run_pace_words[] = {"skipping", "stepped", "checked", "replay"};
 
 /// What `rtusim run` was asked for. Empty paths: not asked.
 struct run_options {

@@ -1,7 +1,5 @@
 #include "testbench/commands/sweep_command.h"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <charconv>
 #include <chrono>
@@ -21,8 +19,9 @@
 #include "modules/config/files.h"
 #include "modules/config/input_ledger.h"
 #include "testbench/pictures/pictures.h"
-#include "testbench/replay/replay.h"
 #include "testbench/run/interrupts.h"
+#include "testbench/run/procedure.h"
+#include "testbench/run/progress_line.h"
 #include "testbench/run/record_paths.h"
 #include "testbench/run/run_pictures.h"
 #include "testbench/run/run_setup.h"
@@ -43,22 +42,9 @@ namespace fs = std::filesystem;
 /// Of all that a sweep reads; beyond, a model is read a second time when its points are run, and must be the same.
 constexpr std::uint64_t most_kept_bytes = std::uint64_t{1} << 29;
 
-/// What the points of one walk share: the model, the rays, and where replay holds their walks.
-struct shared_rays {
-  shared_rays(const run_setup& s, bool pictured) : model(s), sent(model.jobs(s, 1, pictured)), jobs(sent.packets) {
-    if (replay_obstacle(s.unit, s.bench).empty()) walked.emplace(walk_rays(s.unit, model.octree(), jobs, 1));
-    inputs = inputs_of(s, model, jobs);
-  }
-  loaded_model model;
-  sent_jobs sent;
-  const std::vector<job_packet>& jobs;
-  std::optional<walked_rays> walked;
-  nlohmann::ordered_json inputs;  ///< of a record; a point may have the same model under another name
-};
-
 /// The rays of one walk, or why there are none.
 struct loaded_rays {
-  std::unique_ptr<shared_rays> rays;
+  std::unique_ptr<run_inputs> rays;
   point_failure failure;
 
   loaded_rays() = default;
@@ -66,7 +52,8 @@ struct loaded_rays {
     const auto s = plan.setup(*t.point);
     const config::input_ledger read;
     try {
-      rays = std::make_unique<shared_rays>(*s, !plan.images().empty());
+      rays = std::make_unique<run_inputs>(*s, "", 1, !plan.images().empty());
+      rays->walk(*s, 1);
     } catch (const std::bad_alloc&) {
       failure.reason = "out of memory";
     } catch (const input_error& e) {
@@ -82,49 +69,25 @@ struct loaded_rays {
 };
 
 /// Runs a point, in a process of its own, and leaves its files in the part of the folder that is its own.
-worker_report run_point(const sweep_plan& plan, const sweep_task& t, const shared_rays& shared, const results_folder& folder) {
+worker_report run_point(const sweep_plan& plan, const sweep_task& t, const run_inputs& shared, const results_folder& folder) {
   const auto begin = wall_clock::now();
   const auto s = plan.setup(*t.point);
   RTU_CHECK(identity_of(*s, t.inputs), ==, t.identity);
   shared.model.settle(*s);
   std::optional<run_pictures> shown;
-  result_handler handler;
+  run_manner manner;
+  manner.pace = shared.walked ? quickest_pace(*s) : run_pace::skipping;
   if (!plan.images().empty()) {
-    shown.emplace(*s, shared.model, shared.jobs, true);
-    handler = [&](cycle, const traversal_result& r, std::uint64_t latency_cycles) { shown->store(r, latency_cycles); };
+    shown.emplace(*s, shared.model, shared.sent.packets, true);
+    manner.each = [&](cycle, const traversal_result& r, std::uint64_t latency_cycles) { shown->store(r, latency_cycles); };
   }
-
-  run_figures figures;
-  simulator_figures speed;
-  if (shared.walked && replay_obstacle(s->unit, s->bench).empty()) {
-    figures = replay(s->unit, s->bench, *shared.walked, handler);
-    speed.pace = "replay";
-  } else {
-    simulation sim(s->unit, s->bench, shared.model.view(), shared.jobs, pace::skipping);
-    if (handler) sim.board().on_result(handler);
-    sim.run();
-    figures = sim.figures();
-    speed.pace = "skipping";
-    speed.clock = sim.clock().stats();
-  }
-  figures.host = shared.sent.host;
-  speed.rays = shared.jobs.size();
-  speed.cycles = figures.results.total_cycles();
-  speed.all_seconds = speed.run_seconds = std::chrono::duration<double>(wall_clock::now() - begin).count();
-
-  run_record record;
-  record.inputs = shared.inputs;
-  record.inputs["model"] = s->what.model.model;
+  traced_run run = trace(*s, shared, manner);
+  run.speed.all_seconds = std::chrono::duration<double>(wall_clock::now() - begin).count();
+  run_record record = record_of(*s, shared, run);
   record.inputs["scene"] = plan.scene(*t.point).string();
   record.inputs["architecture"] = plan.architecture(*t.point).string();
-  record.parameters = s->parameters.values();
-  config::report statistics, simulator;
-  figures.describe(statistics);
-  speed.describe(simulator);
-  record.statistics = statistics.values();
-  record.simulator = simulator.values();
   if (shown)
-    shown->finish(figures, std::any_of(plan.images().begin(), plan.images().end(),
+    shown->finish(run.figures, std::any_of(plan.images().begin(), plan.images().end(),
                                        [](const std::string& ending) { return shows_places(kind_of("image." + ending)); }));
   try {
     const fs::path part = folder.part(t);
@@ -142,23 +105,18 @@ worker_report run_point(const sweep_plan& plan, const sweep_task& t, const share
   return {};
 }
 
-/// A line on the terminal that tells how many points are done and how long the rest will take; nothing in a pipe.
+/// How many points are done and how long the rest will take.
 class sweep_progress {
  public:
-  sweep_progress(bool wanted, std::size_t points) : on_(wanted && isatty(STDERR_FILENO) != 0), points_(points) {}
-  ~sweep_progress() {
-    if (on_) fmt::print(stderr, "\r\033[K");
-  }
+  sweep_progress(bool wanted, std::size_t points) : line_(wanted), points_(points) {}
   void done() {
     ++done_;
-    if (!on_) return;
     const double spent = std::chrono::duration<double>(wall_clock::now() - begin_).count();
-    fmt::print(stderr, "\r{} of {} points, {:.0f} s left \033[K", done_, points_,
-               spent / static_cast<double>(done_) * static_cast<double>(points_ - done_));
+    line_.show(fmt::format("{} of {} points, {:.0f} s left ", done_, points_, spent / static_cast<double>(done_) * static_cast<double>(points_ - done_)));
   }
 
  private:
-  bool on_;
+  progress_line line_;
   std::size_t points_;
   std::size_t done_ = 0;
   wall_clock::time_point begin_ = wall_clock::now();
@@ -192,7 +150,7 @@ class sweep_run {
         continue;
       }
       while (pool_.full()) wait();
-      const shared_rays& rays = *shared.rays;
+      const run_inputs& rays = *shared.rays;
       pool_.start(t->number, [&] { return run_point(plan_, *t, rays, folder_); });
     }
     while (!pool_.empty()) wait();

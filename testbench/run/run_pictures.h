@@ -9,6 +9,7 @@
 #include "testbench/kinds/triangle_model.h"
 #include "testbench/pictures/frame.h"
 #include "testbench/pictures/pictures.h"
+#include "testbench/run/loaded_model.h"
 #include "testbench/run/run_setup.h"
 
 namespace rtusim {

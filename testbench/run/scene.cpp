@@ -20,16 +20,10 @@ void scene::model_params::describe(config::section& s) {
 }
 
 void scene::describe(config::schema& s) {
-  constexpr auto home = "a scene file";
   s.add("scene", model, home);
   s.add("frame", picture, home);
   s.add("camera", view, home);
   s.read_when({"camera"}, [this] { return model.rays.empty(); }, "scene.rays names no file");
-}
-
-const std::set<std::string>& scene::sections() {
-  static const std::set<std::string> names{"scene", "frame", "camera"};
-  return names;
 }
 
 bool is_model(const std::filesystem::path& file) { return holds_voxels(file) || is_mesh(file); }

@@ -1,8 +1,8 @@
 #pragma once
 
 #include <filesystem>
-#include <set>
 #include <string>
+#include <string_view>
 
 #include "modules/config/schema.h"
 #include "scenes/rays/camera.h"
@@ -25,7 +25,8 @@ struct scene {
   camera::params view;
 
   void describe(config::schema& s);
-  static const std::set<std::string>& sections();
+  /// The kind of file that these sections stand in.
+  static constexpr std::string_view home = "a scene file";
 };
 
 /// Whether the file's name is that of a model of any kind.

@@ -3,16 +3,15 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
-#include <sstream>
 
 #include <fmt/format.h>
-#include <muParser.h>
 
 #include "modules/config/error.h"
 #include "modules/config/files.h"
 #include "modules/config/toml.h"
-#include "testbench/bench/run_figures.h"
 #include "testbench/pictures/pictures.h"
+#include "testbench/sweep/constraint.h"
+#include "testbench/sweep/sweep_columns.h"
 
 namespace rtusim {
 namespace {
@@ -21,108 +20,11 @@ constexpr std::uint64_t most_file_bytes = std::uint64_t{1} << 20;
 constexpr std::size_t most_shown_bytes = 60;
 constexpr std::uint64_t usual_limit = 10'000, greatest_limit = 1'000'000;
 
-const std::vector<std::string>& usual_record() {
-  static const std::vector<std::string> keys{"total_cycles",         "rays",           "hits",    "cycles_per_ray", "rays_per_second",
-                                             "frames_per_second",    "checksum",       "latency", "waits",          "channels.job",
-                                             "channels.pending_job", "channels.result", "host",
-                                             "job_manager.float_to_fixed.overflows", "job_manager.float_to_fixed.nans"};
-  return keys;
-}
-
-/// All parameters that an axis can turn.
-std::vector<column_meaning> all_parameters() {
-  design d;
-  surroundings around;
-  scene what;
-  config::schema known;
-  d.describe(known);
-  around.describe(known);
-  what.describe(known);
-  std::vector<column_meaning> all{{"errata.all", "", "all errata"}};
-  for (const auto& section : known.sections())
-    for (const auto& p : section.parameters()) {
-      all.push_back({p.key, p.unit, p.meaning});
-      if (!p.alias.empty()) all.push_back({p.alias, p.unit, p.meaning});
-    }
-  return all;
-}
-
 /// A number in the fewest digits that tell it, a word as it stands.
 std::string shown(const nlohmann::ordered_json& value) {
   if (value.is_string()) return value.get<std::string>();
   return value.is_number_float() ? fmt::format("{}", value.get<double>()) : value.dump();
 }
-
-/// The figure that stands for a column in `all_figures`: all cores have the same, and all channels.
-std::string representative(const std::string& column) {
-  constexpr std::string_view core = "core_", channel = "channels.";
-  if (column.rfind(core, 0) == 0) {
-    const std::size_t end = std::min(column.find_first_not_of("0123456789", core.size()), column.size());
-    if (end != core.size()) return "core_0" + column.substr(end);
-  }
-  if (column.rfind(channel, 0) == 0) {
-    const std::size_t end = std::min(column.find('.', channel.size()), column.size());
-    if (end != channel.size()) return "channels.job" + column.substr(end);
-  }
-  return column;
-}
-
-/// Whether `key` is `group` or in it.
-bool is_within(const std::string& key, const std::string& group) {
-  return key.rfind(group, 0) == 0 && (key.size() == group.size() || key[group.size()] == '.');
-}
-
-/// Whether a run is one of those that a constraint allows.
-class constraint {
- public:
-  constraint(const std::string& text, const std::string& place) : text_(text), place_(place) {
-    parser_.DefineNameChars("0123456789_.abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ");
-    parser_.DefineFunUserData(
-        "is", [](void* self, const mu::char_type* pair) -> mu::value_type { return static_cast<constraint*>(self)->is(pair); }, this);
-  }
-  constraint(const constraint&) = delete;
-  constraint& operator=(const constraint&) = delete;
-
-  bool allows(const nlohmann::ordered_json& parameters) {
-    parameters_ = &parameters;
-    numbers_.clear();
-    parser_.ClearVar();
-    numbers_.reserve(256);
-    for (const auto& [section, fields] : parameters.items())
-      for (const auto& [field, v] : fields.items()) {
-        if (!v.is_number() && !v.is_boolean()) continue;
-        numbers_.push_back(v.is_boolean() ? static_cast<double>(v.get<bool>()) : v.get<double>());
-        parser_.DefineVar(section + '.' + field, &numbers_.back());
-      }
-    try {
-      parser_.SetExpr(text_);
-      const double result = parser_.Eval();
-      if (std::isnan(result)) throw input_error(place_, "\"" + text_ + "\", which is no number here", "an expression that is 0 or not");
-      return result != 0;
-    } catch (const mu::Parser::exception_type& e) {
-      throw input_error(place_, fmt::format("\"{}\": {}", text_, e.GetMsg()),
-                        "an expression of parameters that are read, such as rtu.cores <= 16, or is(\"KEY=WORD\")");
-    }
-  }
-
- private:
-  /// KEY=WORD
-  double is(const std::string& text) const {
-    const auto equals = text.find('=');
-    const std::string key = text.substr(0, equals), word = equals == std::string::npos ? "" : text.substr(equals + 1);
-    const auto dot = key.find('.');
-    const auto section = parameters_->find(key.substr(0, dot));
-    if (dot == std::string::npos || section == parameters_->end() || !section->contains(key.substr(dot + 1)))
-      throw input_error(place_, "is(\"" + text + "\")", "is(\"KEY=WORD\") with a parameter that is read");
-    const auto& v = section->at(key.substr(dot + 1));
-    return (v.is_string() ? v.get<std::string>() : v.dump()) == word ? 1 : 0;
-  }
-
-  std::string text_, place_;
-  mu::Parser parser_;
-  std::vector<double> numbers_;  // never beyond what was reserved: the parser keeps addresses
-  const nlohmann::ordered_json* parameters_ = nullptr;
-};
 
 }  // namespace
 
@@ -243,12 +145,7 @@ class sweep_reader {
 
   void check_figure(const toml::node& node, const std::string& figure) const {
     std::vector<std::string> names;
-    for (const auto& e : all_figures()) {
-      if (is_within(e.key, representative(figure))) return;
-      for (std::size_t end = e.key.find('.'); end != std::string::npos; end = e.key.find('.', end + 1))
-        names.push_back(e.key.substr(0, end));
-      names.push_back(e.key);
-    }
+    if (is_figure(figure, names)) return;
     const std::string near = config::nearest(figure, names);
     fail(node, "no figure " + figure.substr(0, most_shown_bytes),
          near.empty() ? "one that 'rtusim explain statistics' lists, without \"statistics.\"" : near);
@@ -393,7 +290,7 @@ class sweep_reader {
 
   sweep_plan& plan_;
   std::filesystem::path file_;
-  const std::vector<column_meaning> parameters_ = all_parameters();
+  const std::vector<column_meaning> parameters_ = all_axes();
   std::uint64_t limit_ = usual_limit;
   std::vector<std::unique_ptr<constraint>> constraints_;
 };
@@ -405,17 +302,6 @@ std::string sweep_plan::named_as_written(std::string text) const {
   if (start == "/") return text;
   for (std::size_t at = text.find(start); at != std::string::npos; at = text.find(start, at)) text.erase(at, start.size());
   return text;
-}
-
-std::vector<column_meaning> meanings_of(const std::vector<std::string>& columns) {
-  std::vector<column_meaning> known = all_parameters(), found;
-  for (const auto& e : all_figures()) known.push_back({e.key, e.unit, e.meaning});
-  for (const std::string& column : columns) {
-    const std::string like = representative(column);
-    const auto at = std::find_if(known.begin(), known.end(), [&](const column_meaning& m) { return m.name == like; });
-    found.push_back(at == known.end() ? column_meaning{column, "", ""} : column_meaning{column, at->unit, at->meaning});
-  }
-  return found;
 }
 
 std::unique_ptr<run_setup> sweep_plan::setup(const point& p) const {

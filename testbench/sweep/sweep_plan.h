@@ -86,14 +86,4 @@ class sweep_plan {
   friend class sweep_reader;
 };
 
-/// A column of a sweep's results: an axis or a figure.
-struct column_meaning {
-  std::string name;
-  std::string unit;
-  std::string meaning;
-};
-
-/// Units and meanings of columns, in their order; empty for a name that is none.
-std::vector<column_meaning> meanings_of(const std::vector<std::string>& columns);
-
 }  // namespace rtusim

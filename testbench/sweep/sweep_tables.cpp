@@ -11,6 +11,7 @@
 #include "modules/config/error.h"
 #include "modules/config/printable.h"
 #include "testbench/run/summary.h"
+#include "testbench/sweep/sweep_columns.h"
 
 namespace rtusim {
 namespace {

@@ -108,7 +108,7 @@ void bench_unit(const unit_request& asked) {
   design d;
   config::schema parameters;
   d.describe(parameters);
-  if (!asked.architecture.empty()) parameters.read_toml(asked.architecture, design::sections());
+  if (!asked.architecture.empty()) parameters.read_toml(asked.architecture, design::home);
   for (const std::string& a : asked.assignments) parameters.set(a);
   d.benched = asked.name;
   parameters.check_read();

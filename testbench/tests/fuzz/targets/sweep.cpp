@@ -1,3 +1,4 @@
+#include "testbench/sweep/sweep_columns.h"
 #include "testbench/sweep/sweep_plan.h"
 #include "testbench/tests/fuzz/target.h"
 

@@ -165,7 +165,7 @@ TEST_CASE("command line: a file that can't be used is refused with its place", "
       {"garbage for a scene", scene("garbage.toml"), "garbage.toml:1:1: "},
       {"half a scene", scene("cut.toml"), "cut.toml:2:"},
       {"a mistyped key", scene("unknown.toml"), "unknown.toml:2: unknown key frame.widht; expected frame.width"},
-      {"a key of a design in a scene", scene("foreign.toml"), "foreign.toml:3: rtu.cores does not belong in this file"},
+      {"a key of a design in a scene", scene("foreign.toml"), "foreign.toml:3: rtu.cores belongs in an architecture file"},
       {"a key given twice", scene("twice.toml"), "twice.toml:3:"},
       {"a value of another type", scene("mistyped.toml"), "mistyped.toml:3: frame.width = \"3\"; expected a whole number"},
       {"a camera that is nowhere", scene("nan.toml"), "nan.toml:2: camera.position = [0.0, nan, 0.0]"},

@@ -69,7 +69,7 @@ agreement compare(const std::string& name, std::size_t every) {
   scene s;
   config::schema parameters;
   s.describe(parameters);
-  parameters.read_toml(folder + name + ".toml", scene::sections());
+  parameters.read_toml(folder + name + ".toml", scene::home);
   const std::string file = folder + s.model.model;
 
   const design d;

@@ -324,7 +324,7 @@ TEST_CASE("exact triangles: of the teapot's rays the distance is the exact one w
   scene what;
   config::schema parameters;
   what.describe(parameters);
-  parameters.read_toml(name, scene::sections());
+  parameters.read_toml(name, scene::home);
   const std::string file = folder + what.model.model;
   design d;
   d.rtu.core = rtu_params::core_kind::bih;

@@ -13,6 +13,7 @@
 #include "modules/svo_core/svo_walk.h"
 #include "scenes/voxels/svo_builder.h"
 #include "testbench/run/job_file.h"
+#include "testbench/run/loaded_model.h"
 #include "testbench/run/run_setup.h"
 #include "testbench/tests/scratch.h"
 

@@ -1,0 +1,90 @@
+#include "testbench/run/procedure.h"
+
+#include <chrono>
+#include <vector>
+
+#include <fmt/format.h>
+#include <zlib.h>
+
+#include "modules/config/error.h"
+#include "testbench/run/job_file.h"
+
+namespace rtusim {
+namespace {
+
+using wall_clock = std::chrono::steady_clock;
+
+std::uint32_t crc32_of(const void* data, std::size_t bytes, std::uint32_t before = 0) {
+  return static_cast<std::uint32_t>(crc32_z(before, static_cast<const Bytef*>(data), bytes));
+}
+
+nlohmann::ordered_json inputs_of(const run_setup& s, const loaded_model& model, const std::vector<job_packet>& jobs) {
+  nlohmann::ordered_json inputs{{"scene", ""}, {"architecture", ""}, {"model", s.what.model.model}};
+  std::uint32_t crc = 0;
+  if (model.triangles()) {
+    const bih_memory& h = model.triangles()->hierarchy;
+    for (const auto& w : h.words) crc = crc32_of(w.data(), w.size() * sizeof w[0], crc);
+    inputs["model_triangles"] = h.triangles.size();
+  } else {
+    crc = crc32_of(model.octree().data(), model.octree().size() * sizeof model.octree()[0]);
+    inputs["model_words"] = model.octree().size();
+  }
+  inputs["model_crc32"] = fmt::format("{:08x}", crc);
+  inputs["jobs"] = "";
+  inputs["jobs_crc32"] = fmt::format("{:08x}", crc32_of(jobs.data(), jobs.size() * sizeof(job_packet)));
+  return inputs;
+}
+
+sent_jobs jobs_of(const run_setup& s, const loaded_model& model, const std::filesystem::path& file, unsigned threads, bool pictured) {
+  return file.empty() ? model.jobs(s, threads, pictured) : model.jobs(read_jobs(file));
+}
+
+}  // namespace
+
+run_pace quickest_pace(const run_setup& s) { return replay_obstacle(s.unit, s.bench).empty() ? run_pace::replay : run_pace::skipping; }
+
+run_inputs::run_inputs(run_setup& s, const std::filesystem::path& job_file, unsigned threads, bool pictured)
+    : model(s), sent((model.settle(s), jobs_of(s, model, job_file, threads, pictured))), record(inputs_of(s, model, sent.packets)) {}
+
+void run_inputs::walk(const run_setup& s, unsigned threads) {
+  if (quickest_pace(s) == run_pace::replay) walked.emplace(walk_rays(s.unit, model.octree(), sent.packets, threads));
+}
+
+traced_run trace(const run_setup& s, const run_inputs& inputs, const run_manner& manner) {
+  const std::vector<job_packet>& jobs = inputs.sent.packets;
+  traced_run run;
+  run.speed.pace = run_pace_words[static_cast<std::size_t>(manner.pace)];
+  const auto begin = wall_clock::now();
+  if (manner.pace == run_pace::replay) {
+    if (manner.window) throw input_error("--vcd", "--pace replay, which has no signals", "--pace skipping, which is quick outside the window");
+    run.figures = inputs.walked ? replay(s.unit, s.bench, *inputs.walked, manner.each)
+                                : replay(s.unit, s.bench, inputs.model.octree(), jobs, manner.threads, manner.each);
+  } else {
+    simulation sim(s.unit, s.bench, inputs.model.view(), jobs, static_cast<pace>(manner.pace), manner.window);
+    if (manner.each) sim.board().on_result(manner.each);
+    if (manner.progress) sim.clock().set_progress([&] { manner.progress(sim.board().figures().rays); });
+    sim.run();
+    run.figures = sim.figures();
+    run.speed.clock = sim.clock().stats();
+  }
+  run.figures.host = inputs.sent.host;
+  run.speed.run_seconds = std::chrono::duration<double>(wall_clock::now() - begin).count();
+  run.speed.rays = jobs.size();
+  run.speed.cycles = run.figures.results.total_cycles();
+  return run;
+}
+
+run_record record_of(const run_setup& s, const run_inputs& inputs, const traced_run& run) {
+  run_record record;
+  record.inputs = inputs.record;
+  record.inputs["model"] = s.what.model.model;
+  record.parameters = s.parameters.values();
+  config::report statistics, simulator;
+  run.figures.describe(statistics);
+  run.speed.describe(simulator);
+  record.statistics = statistics.values();
+  record.simulator = simulator.values();
+  return record;
+}
+
+}  // namespace rtusim
