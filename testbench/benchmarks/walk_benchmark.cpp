@@ -6,6 +6,7 @@
 #include "modules/svo_core/svo_walk.h"
 #include "testbench/benchmarks/frame_jobs.h"
 #include "testbench/benchmarks/reference_walk.h"
+#include "testbench/kinds/svo_walker.h"
 #include "testbench/replay/replay.h"
 
 namespace rtusim {
@@ -69,14 +70,14 @@ BENCHMARK(camera_frame)->Name("camera/threads")->Arg(1)->Arg(2)->Unit(benchmark:
 
 void walk_all(benchmark::State& state) {
   for (auto _ : state)
-    benchmark::DoNotOptimize(walk_rays(as_built(), dragon().words, frame_packets(), static_cast<unsigned>(state.range(0))));
+    benchmark::DoNotOptimize(walk_rays(svo_walker(as_built(), dragon().words), frame_packets(), static_cast<unsigned>(state.range(0))));
   per_ray(state, frame_packets().size());
 }
 BENCHMARK(walk_all)->Name("replay/walks/threads")->Arg(1)->Arg(2)->Unit(benchmark::kMillisecond)->UseRealTime();
 
 void schedule(benchmark::State& state) {
   const design d = as_built(static_cast<unsigned>(state.range(0)));
-  const walked_rays walked = walk_rays(d, dragon().words, frame_packets(), 2);
+  const walked_rays walked = walk_rays(svo_walker(d, dragon().words), frame_packets(), 2);
   for (auto _ : state) benchmark::DoNotOptimize(replay(d, {}, walked, {}));
   per_ray(state, frame_packets().size());
 }
@@ -84,7 +85,7 @@ BENCHMARK(schedule)->Name("replay/schedule/cores")->Arg(1)->Arg(4)->Arg(16)->Arg
 
 void replay_all(benchmark::State& state) {
   const design d = as_built(static_cast<unsigned>(state.range(0)));
-  for (auto _ : state) benchmark::DoNotOptimize(replay(d, {}, dragon().words, frame_packets(), 2, {}));
+  for (auto _ : state) benchmark::DoNotOptimize(replay(d, {}, svo_walker(d, dragon().words), frame_packets(), 2, {}));
   per_ray(state, frame_packets().size());
 }
 BENCHMARK(replay_all)->Name("pace/replay/cores")->Arg(1)->Arg(4)->Arg(16)->Arg(64)->Unit(benchmark::kMillisecond)->UseRealTime();

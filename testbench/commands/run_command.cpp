@@ -68,15 +68,15 @@ void run(const run_options& o) {
   const picture_preparation pictures(!o.images.empty());
   config::check_apart(outputs, read.names());  // a mesh may have more files than one
   std::vector<job_packet>& jobs = inputs.sent.packets;
-  if (window && o.how != run_pace::replay && !o.waveform_all) check_size(*window, s, inputs.model, jobs);
+  if (window && o.how != run_pace::replay && !o.waveform_all) check_size(*window, s, *inputs.model, jobs);
   if (!o.save_jobs.empty()) write_jobs(o.save_jobs, jobs);
   inputs.record["scene"] = o.scene.string();
   inputs.record["architecture"] = o.architecture.string();
   inputs.record["jobs"] = o.jobs.string();
   std::optional<run_pictures> shown;
-  if (!o.images.empty()) shown.emplace(s, inputs.model, jobs, o.jobs.empty());
+  if (!o.images.empty()) shown.emplace(s, *inputs.model, jobs, o.jobs.empty());
   std::optional<results_log> log;
-  if (!o.log.empty()) log.emplace(o.log, inputs.model.triangles() ? &*inputs.model.triangles() : nullptr);
+  if (!o.log.empty()) log.emplace(o.log, *inputs.model);
 
   run_manner manner{o.how, window, {}, {}, 2};
   if (shown || log)

@@ -73,12 +73,12 @@ worker_report run_point(const sweep_plan& plan, const sweep_task& t, const run_i
   const auto begin = wall_clock::now();
   const auto s = plan.setup(*t.point);
   RTU_CHECK(identity_of(*s, t.inputs), ==, t.identity);
-  shared.model.settle(*s);
+  shared.model->settle(s->unit);
   std::optional<run_pictures> shown;
   run_manner manner;
   manner.pace = shared.walked ? quickest_pace(*s) : run_pace::skipping;
   if (!plan.images().empty()) {
-    shown.emplace(*s, shared.model, shared.sent.packets, true);
+    shown.emplace(*s, *shared.model, shared.sent.packets, true);
     manner.each = [&](cycle, const traversal_result& r, std::uint64_t latency_cycles) { shown->store(r, latency_cycles); };
   }
   traced_run run = trace(*s, shared, manner);

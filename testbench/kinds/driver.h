@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <vector>
@@ -64,6 +65,19 @@ std::vector<job_packet> triangle_jobs(const camera::params& p, const raster& f, 
 /// The same of listed rays.
 std::vector<job_packet> triangle_jobs(const ray_list& rays, const grid_mapping& grid, direction_norm norm, bool skip_misses,
                                       unsigned threads = 1);
+
+/// Where the rays of hits met something, a pixel's each; of what is nowhere, and of a miss, 0. `point_on_ray`: of a job and a distance.
+template <class Point>
+std::vector<per_axis<float>> points_of(const std::vector<job_packet>& jobs, const frame& picture, const Point& point_on_ray) {
+  const std::vector<frame::pixel>& pixels = picture.pixels();
+  std::vector<per_axis<float>> points(pixels.size());
+  for (std::size_t i = 0; i < pixels.size(); ++i) {
+    if (!pixels[i].hit) continue;
+    const per_axis<float> point = point_on_ray(jobs[pixels[i].sequence], static_cast<double>(pixels[i].t_hit));
+    if (std::isfinite(point[0] + point[1] + point[2])) points[i] = point;
+  }
+  return points;
+}
 
 /// A point on a ray in world units, `distance` from its origin, as far as its packet's words tell.
 per_axis<float> point_on_ray(const job_packet& job, double distance);

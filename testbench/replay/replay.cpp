@@ -5,7 +5,7 @@
 
 #include "modules/config/error.h"
 #include "testbench/replay/schedule.h"
-#include "testbench/replay/walks.h"
+#include "testbench/replay/walk_in_parts.h"
 
 namespace rtusim {
 namespace {
@@ -14,8 +14,7 @@ using namespace replaying;
 
 std::unique_ptr<job_schedule> schedule_for(const design& d, const surroundings& s, const walked_rays& walked,
                                            const result_handler& handler) {
-  if (const std::string why = replay_obstacle(d, s); !why.empty())
-    throw input_error("--pace replay", why, "a design whose schedule follows from the costs of its rays; --pace skipping takes every one");
+  check_replayable(d, s);
   const bool always = s.sink.ready == sink_params::regime::always;
   if (d.result_manager_.valid_withdrawn || always) return std::make_unique<schedule<false>>(d, s, walked, handler);
   return std::make_unique<schedule<true>>(d, s, walked, handler);
@@ -30,9 +29,14 @@ std::string replay_obstacle(const design& d, const surroundings& s) {
   return {};
 }
 
-walked_rays walk_rays(const design& d, const std::vector<std::uint32_t>& image, const std::vector<job_packet>& jobs, unsigned threads) {
+void check_replayable(const design& d, const surroundings& s) {
+  if (const std::string why = replay_obstacle(d, s); !why.empty())
+    throw input_error("--pace replay", why, "a design whose schedule follows from the costs of its rays; --pace skipping takes every one");
+}
+
+walked_rays walk_rays(const ray_walker& walk, const std::vector<job_packet>& jobs, unsigned threads) {
   walked_rays all(jobs.size());
-  walk_in_parts walks(d, image, jobs, all);
+  walk_in_parts walks(walk, jobs, all);
   std::vector<std::thread> others;
   for (unsigned n = 1; n < threads; ++n) others.emplace_back([&walks] { while (walks.walk_part()) {} });
   while (walks.walk_part()) {}
@@ -46,11 +50,11 @@ run_figures replay(const design& d, const surroundings& s, const walked_rays& wa
   return schedule->finish(walked.conversion);
 }
 
-run_figures replay(const design& d, const surroundings& s, const std::vector<std::uint32_t>& image, const std::vector<job_packet>& jobs,
-                   unsigned threads, const result_handler& handler) {
+run_figures replay(const design& d, const surroundings& s, const ray_walker& walk, const std::vector<job_packet>& jobs, unsigned threads,
+                   const result_handler& handler) {
   walked_rays walked(jobs.size());
   const auto schedule = schedule_for(d, s, walked, handler);
-  walk_in_parts walks(d, image, jobs, walked);
+  walk_in_parts walks(walk, jobs, walked);
   joined_threads others;
   for (unsigned n = 1; n < threads; ++n) others.start([&walks] { while (walks.walk_part()) {} }, [&walks] { walks.stop(); });
   for (std::size_t walked_to = 0; walked_to < jobs.size();) {

@@ -1,48 +1,22 @@
 #pragma once
 
-#include <cstdint>
-#include <functional>
-#include <memory>
 #include <string>
 #include <vector>
 
 #include "modules/formats/packets.h"
-#include "modules/numeric/float_to_fixed.h"
 #include "modules/rtu/design.h"
-#include "modules/timing/offer.h"
 #include "testbench/bench/run_figures.h"
 #include "testbench/bench/scoreboard.h"
 #include "testbench/bench/surroundings.h"
+#include "testbench/replay/walks.h"
 
 namespace rtusim {
-
-/// What a ray's traversal comes to, without the design's timing. Has no initial values: a frame's are written by the threads that
-/// walk, and not before.
-struct walked_ray {
-  std::int64_t t_hit;      ///< of a hit
-  std::uint32_t job_word;
-  std::uint32_t cost;
-  std::uint32_t pushes;
-  std::uint8_t depth;
-  std::int8_t axis;        ///< of a hit
-  bool hit;
-  bool overflow;
-};
 
 /// Why a design can't be replayed, as the words of an error; empty if it can.
 std::string replay_obstacle(const design& d, const surroundings& s);
 
-/// The walks of all jobs of a run, in their order. They serve every core count, policy, source and sink.
-struct walked_rays {
-  explicit walked_rays(std::size_t count) : rays(new walked_ray[count]), size(count) {}
-
-  std::unique_ptr<walked_ray[]> rays;
-  std::size_t size;
-  numeric::float_to_fixed_stats conversion;
-};
-
-/// Converts and walks all jobs, to keep the walks for several designs. The outcome does not depend on the number of threads.
-walked_rays walk_rays(const design& d, const std::vector<std::uint32_t>& image, const std::vector<job_packet>& jobs, unsigned threads);
+/// Sees that a design can be replayed. Errors: input_error.
+void check_replayable(const design& d, const surroundings& s);
 
 /// The schedule of the walked rays from their costs alone: the cycles, figures and results that a simulation comes to.
 ///
@@ -58,7 +32,7 @@ run_figures replay(const design& d, const surroundings& s, const walked_rays& wa
 
 /// Walks and replays at once: one thread follows the schedule as far as rays are walked, and walks when it has to wait; the others walk.
 /// `handler` is called on the caller's thread.
-run_figures replay(const design& d, const surroundings& s, const std::vector<std::uint32_t>& image, const std::vector<job_packet>& jobs,
-                   unsigned threads, const result_handler& handler);
+run_figures replay(const design& d, const surroundings& s, const ray_walker& walk, const std::vector<job_packet>& jobs, unsigned threads,
+                   const result_handler& handler);
 
 }  // namespace rtusim

@@ -1,91 +1,46 @@
 #pragma once
 
-#include <algorithm>
-#include <atomic>
 #include <cstddef>
 #include <cstdint>
-#include <functional>
-#include <mutex>
-#include <thread>
-#include <utility>
+#include <memory>
 #include <vector>
 
-#include "modules/rtu/design.h"
-#include "modules/svo_core/svo_walk.h"
-#include "testbench/replay/replay.h"
+#include "modules/formats/packets.h"
+#include "modules/numeric/float_to_fixed.h"
 
-namespace rtusim::replaying {
+namespace rtusim {
 
-/// Walks jobs part by part, on any number of threads.
-class walk_in_parts {
- public:
-  walk_in_parts(const design& d, const std::vector<std::uint32_t>& image, const std::vector<job_packet>& jobs, walked_rays& all)
-      : walk_(d.svo_core_params_with_format()),
-        converter_(d.fixed_point, d.float_to_fixed),
-        words_(view_of(image, d.memory_)),
-        jobs_(jobs),
-        all_(all),
-        done_((jobs.size() + part - 1) / part) {}
-
-  /// Walks the next part that nobody has begun; false when there is none.
-  bool walk_part() {
-    const std::size_t n = next_.fetch_add(1, std::memory_order_relaxed);
-    if (n >= done_.size()) return false;
-    numeric::float_to_fixed_stats conversion;
-    traversal_job job;
-    for (std::size_t j = n * part; j < std::min((n + 1) * part, jobs_.size()); ++j) {
-      convert(jobs_[j], converter_, conversion, job);
-      const svo_outcome o = walk_(job, words_);
-      all_.rays[j] = {o.t_hit, o.job_word, o.cost, o.pushes, o.depth, o.axis, o.hit, o.overflow};
-    }
-    {
-      const std::lock_guard lock(sums_);
-      all_.conversion += conversion;
-    }
-    done_[n].store(true, std::memory_order_release);
-    return true;
-  }
-  /// All jobs before this one are walked. Called by one thread.
-  std::size_t walked_to() {
-    while (seen_ < done_.size() && done_[seen_].load(std::memory_order_acquire)) ++seen_;
-    return std::min(seen_ * part, jobs_.size());
-  }
-  /// Lets nobody begin another part.
-  void stop() { next_.store(done_.size(), std::memory_order_relaxed); }
-
- private:
-  static constexpr std::size_t part = 2048;
-
-  svo_walk walk_;
-  numeric::float_to_fixed_converter converter_;
-  word_view words_;
-  const std::vector<job_packet>& jobs_;
-  walked_rays& all_;
-  std::mutex sums_;
-  std::atomic<std::size_t> next_{0};
-  std::vector<std::atomic<bool>> done_;
-  std::size_t seen_ = 0;
+/// What a ray's traversal comes to, without the design's timing. Has no initial values: a frame's are written by the threads that
+/// walk, and not before.
+struct walked_ray {
+  std::int64_t t_hit;      ///< of a hit
+  std::uint32_t job_word;
+  std::uint32_t cost;
+  std::uint32_t pushes;
+  std::uint8_t depth;
+  std::int8_t axis;        ///< of a hit
+  bool hit;
+  bool overflow;
 };
 
-/// Threads that are told to stop and waited for, whatever happens.
-class joined_threads {
+/// Walks rays through a model, without time. Threads may share it.
+class ray_walker {
  public:
-  ~joined_threads() {
-    for (const auto& stop : stops_) stop();
-    join();
-  }
-  void start(std::function<void()> work, std::function<void()> stop) {
-    stops_.push_back(std::move(stop));
-    threads_.emplace_back(std::move(work));
-  }
-  void join() {
-    for (auto& t : threads_) t.join();
-    threads_.clear();
-  }
-
- private:
-  std::vector<std::function<void()>> stops_;
-  std::vector<std::thread> threads_;
+  virtual ~ray_walker() = default;
+  /// Converts and walks `count` jobs; adds to `conversion`.
+  virtual void operator()(const job_packet* jobs, std::size_t count, walked_ray* to, numeric::float_to_fixed_stats& conversion) const = 0;
 };
 
-}  // namespace rtusim::replaying
+/// The walks of all jobs of a run, in their order. They serve every core count, policy, source and sink.
+struct walked_rays {
+  explicit walked_rays(std::size_t count) : rays(new walked_ray[count]), size(count) {}
+
+  std::unique_ptr<walked_ray[]> rays;
+  std::size_t size;
+  numeric::float_to_fixed_stats conversion;
+};
+
+/// Walks all jobs, to keep the walks for several designs. The outcome does not depend on the number of threads.
+walked_rays walk_rays(const ray_walker& walk, const std::vector<job_packet>& jobs, unsigned threads);
+
+}  // namespace rtusim

@@ -3,10 +3,8 @@
 #include <chrono>
 #include <vector>
 
-#include <fmt/format.h>
-#include <zlib.h>
-
 #include "modules/config/error.h"
+#include "testbench/kinds/checksum.h"
 #include "testbench/run/job_file.h"
 
 namespace rtusim {
@@ -14,29 +12,16 @@ namespace {
 
 using wall_clock = std::chrono::steady_clock;
 
-std::uint32_t crc32_of(const void* data, std::size_t bytes, std::uint32_t before = 0) {
-  return static_cast<std::uint32_t>(crc32_z(before, static_cast<const Bytef*>(data), bytes));
-}
-
 nlohmann::ordered_json inputs_of(const run_setup& s, const loaded_model& model, const std::vector<job_packet>& jobs) {
   nlohmann::ordered_json inputs{{"scene", ""}, {"architecture", ""}, {"model", s.what.model.model}};
-  std::uint32_t crc = 0;
-  if (model.triangles()) {
-    const bih_memory& h = model.triangles()->hierarchy;
-    for (const auto& w : h.words) crc = crc32_of(w.data(), w.size() * sizeof w[0], crc);
-    inputs["model_triangles"] = h.triangles.size();
-  } else {
-    crc = crc32_of(model.octree().data(), model.octree().size() * sizeof model.octree()[0]);
-    inputs["model_words"] = model.octree().size();
-  }
-  inputs["model_crc32"] = fmt::format("{:08x}", crc);
+  model.describe(inputs);
   inputs["jobs"] = "";
-  inputs["jobs_crc32"] = fmt::format("{:08x}", crc32_of(jobs.data(), jobs.size() * sizeof(job_packet)));
+  inputs["jobs_crc32"] = checksum()(jobs).text();
   return inputs;
 }
 
 sent_jobs jobs_of(const run_setup& s, const loaded_model& model, const std::filesystem::path& file, unsigned threads, bool pictured) {
-  return file.empty() ? model.jobs(s, threads, pictured) : model.jobs(read_jobs(file));
+  return file.empty() ? model.jobs(s.unit, s.what, threads, pictured) : model.jobs(read_jobs(file));
 }
 
 }  // namespace
@@ -44,10 +29,14 @@ sent_jobs jobs_of(const run_setup& s, const loaded_model& model, const std::file
 run_pace quickest_pace(const run_setup& s) { return replay_obstacle(s.unit, s.bench).empty() ? run_pace::replay : run_pace::skipping; }
 
 run_inputs::run_inputs(run_setup& s, const std::filesystem::path& job_file, unsigned threads, bool pictured)
-    : model(s), sent((model.settle(s), jobs_of(s, model, job_file, threads, pictured))), record(inputs_of(s, model, sent.packets)) {}
+    : model(load_model(s.unit, s.what)) {
+  model->settle(s.unit);
+  sent = jobs_of(s, *model, job_file, threads, pictured);
+  record = inputs_of(s, *model, sent.packets);
+}
 
 void run_inputs::walk(const run_setup& s, unsigned threads) {
-  if (quickest_pace(s) == run_pace::replay) walked.emplace(walk_rays(s.unit, model.octree(), sent.packets, threads));
+  if (quickest_pace(s) == run_pace::replay) walked.emplace(walk_rays(*model->walker(s.unit), sent.packets, threads));
 }
 
 traced_run trace(const run_setup& s, const run_inputs& inputs, const run_manner& manner) {
@@ -57,10 +46,11 @@ traced_run trace(const run_setup& s, const run_inputs& inputs, const run_manner&
   const auto begin = wall_clock::now();
   if (manner.pace == run_pace::replay) {
     if (manner.window) throw input_error("--vcd", "--pace replay, which has no signals", "--pace skipping, which is quick outside the window");
+    check_replayable(s.unit, s.bench);
     run.figures = inputs.walked ? replay(s.unit, s.bench, *inputs.walked, manner.each)
-                                : replay(s.unit, s.bench, inputs.model.octree(), jobs, manner.threads, manner.each);
+                                : replay(s.unit, s.bench, *inputs.model->walker(s.unit), jobs, manner.threads, manner.each);
   } else {
-    simulation sim(s.unit, s.bench, inputs.model.view(), jobs, static_cast<pace>(manner.pace), manner.window);
+    simulation sim(s.unit, s.bench, inputs.model->view(), jobs, static_cast<pace>(manner.pace), manner.window);
     if (manner.each) sim.board().on_result(manner.each);
     if (manner.progress) sim.clock().set_progress([&] { manner.progress(sim.board().figures().rays); });
     sim.run();

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string_view>
 
@@ -13,7 +14,7 @@
 #include "testbench/bench/scoreboard.h"
 #include "testbench/bench/simulation.h"
 #include "testbench/replay/replay.h"
-#include "testbench/run/loaded_model.h"
+#include "testbench/kinds/loaded_model.h"
 #include "testbench/run/run_setup.h"
 #include "testbench/run/summary.h"
 
@@ -36,7 +37,7 @@ struct run_inputs {
   /// Walks the jobs for designs that share them, where replay covers this one.
   void walk(const run_setup& s, unsigned threads);
 
-  loaded_model model;
+  std::unique_ptr<loaded_model> model;
   sent_jobs sent;
   std::optional<walked_rays> walked;
   nlohmann::ordered_json record;  ///< sizes and checksums; files by their names, those that nobody gave empty

@@ -2,14 +2,12 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <optional>
 #include <vector>
 
 #include "testbench/bench/run_figures.h"
-#include "testbench/kinds/triangle_model.h"
 #include "testbench/pictures/frame.h"
 #include "testbench/pictures/pictures.h"
-#include "testbench/run/loaded_model.h"
+#include "testbench/kinds/loaded_model.h"
 #include "testbench/run/run_setup.h"
 
 namespace rtusim {
@@ -22,7 +20,7 @@ class run_pictures {
 
   void store(const traversal_result& r, std::uint64_t latency_cycles) {
     if (surfaces_)
-      picture_.store(r, latency_cycles, surfaces_->at(jobs_[r.sequence], r));
+      picture_.store(r, latency_cycles, surfaces_(jobs_[r.sequence], r));
     else
       picture_.store(r, latency_cycles);
   }
@@ -37,8 +35,8 @@ class run_pictures {
   const run_setup& setup_;
   const loaded_model& model_;
   const std::vector<job_packet>& jobs_;
+  loaded_model::surface_finder surfaces_;
   frame picture_;
-  std::optional<triangle_surfaces> surfaces_;
   picture_text text_;
 };
 

@@ -9,7 +9,7 @@
 #include "modules/config/schema.h"
 #include "modules/rtu/design.h"
 #include "testbench/bench/surroundings.h"
-#include "testbench/run/scene.h"
+#include "scenes/scene.h"
 
 namespace rtusim {
 

@@ -23,6 +23,14 @@ double all_cycles(const json& cycles) {
   return sum;
 }
 
+/// What the record tells of the model's size: `model_words` = 35 as words and 35.
+std::pair<std::string, json> model_size(const json& inputs) {
+  constexpr std::string_view start = "model_";
+  for (const auto& [name, value] : inputs.items())
+    if (name.rfind(start, 0) == 0 && value.is_number()) return {name.substr(start.size()), value};
+  return {"words", 0};
+}
+
 std::string bar(double percent, unsigned width) {
   const auto filled = static_cast<std::size_t>(percent / 100 * width + 0.5);
   return std::string(filled, '#') + std::string(width - std::min<std::size_t>(filled, width), '.');
@@ -71,11 +79,11 @@ std::string summary_text(const run_record& record) {
   std::string t;
   const auto line = [&t](std::string_view format, const auto&... values) { t += fmt::format(fmt::runtime(format), values...) + '\n'; };
 
-  const bool triangles = record.inputs.contains("model_triangles");
-  line("{} {} cores at {} MHz, {} on {} {}", rtu["cores"].get<unsigned>(), rtu["core"].get<std::string>(), rtu["clock_mhz"].get<double>(),
-       config::printable(record.inputs["model"].get<std::string>()),
-       record.inputs[triangles ? "model_triangles" : "model_words"].get<std::uint64_t>(),
-       triangles ? "triangles" : "words");
+  const std::string kind = rtu["core"].get<std::string>();
+  const json& cores_of_kind = s[kind + "_core"];
+  const auto [word, size] = model_size(record.inputs);
+  line("{} {} cores at {} MHz, {} on {} {}", rtu["cores"].get<unsigned>(), kind, rtu["clock_mhz"].get<double>(),
+       config::printable(record.inputs["model"].get<std::string>()), size.get<std::uint64_t>(), word);
   if (record.inputs["architecture"].get<std::string>().empty())
     line("no --arch: the default design (testbench/architectures/espe2019.toml) with what --set changes");
   line("{:>14} cycles   {} rays, {} hits ({:.1f} %)", s["total_cycles"].get<std::uint64_t>(), s["rays"].get<std::uint64_t>(),
@@ -99,12 +107,12 @@ std::string summary_text(const run_record& record) {
     const double out = core["cycles"].contains("out") ? share(core["cycles"]["out"], all) : 0;
     line("{:>27} {:5.1f}% {:5.1f}% {:5.1f}% {:6}", name, idle, 100 - idle - out, out, core["jobs"].get<std::uint64_t>());
   };
-  core_line("all", s[triangles ? "bih_core" : "svo_core"]);
+  core_line("all", cores_of_kind);
   const auto cores = rtu["cores"].get<unsigned>();
   for (unsigned i = 0; i < cores; ++i)
     if (cores <= 16 || i < 4 || i + 4 >= cores) core_line("core_" + std::to_string(i), s["core_" + std::to_string(i)]);
-  if (triangles)
-    line("{:>27} {:5.1f}% of the cores' walking clocks issue a triangle", "fill", 100 * s["bih_core"]["fill"].get<double>());
+  if (cores_of_kind.contains("fill"))
+    line("{:>27} {:5.1f}% of the cores' walking clocks issue a triangle", "fill", 100 * cores_of_kind["fill"].get<double>());
   line("");
 
   line("channels, share of all cycles:  transferred  starved  held back   idle");

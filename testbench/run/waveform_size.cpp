@@ -5,11 +5,8 @@
 
 #include <fmt/format.h>
 
-#include "modules/bih_core/bih_walk.h"
 #include "modules/config/error.h"
 #include "modules/config/files.h"
-#include "modules/job_manager/ray_setup.h"
-#include "testbench/replay/replay.h"
 
 namespace rtusim {
 namespace {
@@ -21,26 +18,6 @@ constexpr std::size_t most_sampled = 4096;
 constexpr double bytes_a_clock = 150;
 constexpr double bytes_a_cycle = 40;
 
-/// Clocks that cores work on some of the jobs.
-std::uint64_t clocks_of(const design& d, const loaded_model& model, const std::vector<job_packet>& jobs) {
-  std::uint64_t clocks = 0;
-  if (!model.triangles()) {
-    const walked_rays walked = walk_rays(d, model.octree(), jobs, 1);
-    for (std::size_t i = 0; i < walked.size; ++i) clocks += walked.rays[i].cost;
-    return clocks;
-  }
-  const bih_memory& hierarchy = model.triangles()->hierarchy;
-  const ray_setup set_up(d.quantisation_, hierarchy.corner);
-  bih_walk walk(d.bih_core_params_with_widths(), hierarchy);
-  ray_setup_stats ignored;
-  for (const job_packet& packet : jobs) {
-    triangle_job job;
-    set_up(packet, ignored, job);
-    clocks += walk(job.ray, [](std::uint32_t, std::uint64_t) {}).cycles();
-  }
-  return clocks;
-}
-
 }  // namespace
 
 std::uint64_t estimated_bytes(const waveform_window& window, const run_setup& s, const loaded_model& model, const std::vector<job_packet>& jobs) {
@@ -51,7 +28,7 @@ std::uint64_t estimated_bytes(const waveform_window& window, const run_setup& s,
   std::vector<job_packet> sample;
   for (std::size_t i = 0; i < jobs.size(); i += stride) sample.push_back(jobs[i]);
   const auto all_jobs = static_cast<double>(jobs.size());
-  const double clocks = static_cast<double>(clocks_of(s.unit, model, sample)) * all_jobs / static_cast<double>(sample.size());
+  const double clocks = static_cast<double>(model.walk_cycles(s.unit, sample)) * all_jobs / static_cast<double>(sample.size());
   const double cycles = std::max(clocks / cores, all_jobs);
   return static_cast<std::uint64_t>((clocks * bytes_a_clock + cycles * bytes_a_cycle) * std::min(1.0, window_cycles / cycles));
 }

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "testbench/bench/simulation.h"
-#include "testbench/run/loaded_model.h"
+#include "testbench/kinds/loaded_model.h"
 #include "testbench/run/run_setup.h"
 
 namespace rtusim {

@@ -11,6 +11,7 @@
 #include "modules/timing/clock_domain.h"
 #include "testbench/bench/simulation.h"
 #include "testbench/bench/stream.h"
+#include "testbench/kinds/svo_walker.h"
 #include "testbench/replay/replay.h"
 #include "testbench/tests/in_child.h"
 
@@ -114,7 +115,7 @@ TEST_CASE("watchdog: a replay allows no more than a simulation does", "[timing]"
   const auto replayed = [&](cycle watchdog) {
     s.watchdog_cycles = watchdog;
     try {
-      replay(d, s, octree, jobs, 1, {});
+      replay(d, s, svo_walker(d, octree), jobs, 1, {});
       return true;
     } catch (const input_error&) {
       return false;

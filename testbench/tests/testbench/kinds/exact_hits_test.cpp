@@ -14,7 +14,7 @@
 #include "scenes/triangles/quantised_triangles.h"
 #include "testbench/kinds/driver.h"
 #include "testbench/kinds/triangle_model.h"
-#include "testbench/run/scene.h"
+#include "scenes/scene.h"
 
 /// What the cores find without their errata against Moeller and Trumbore's test in binary64, of the same triangles on the grid and
 /// the same rays, each ray against each triangle.

@@ -17,7 +17,7 @@
 #include "scenes/triangles/quantised_triangles.h"
 #include "testbench/bench/simulation.h"
 #include "testbench/kinds/triangle_model.h"
-#include "testbench/run/scene.h"
+#include "scenes/scene.h"
 #include "testbench/tests/in_child.h"
 #include "testbench/tests/random.h"
 

@@ -13,7 +13,7 @@
 #include "modules/svo_core/svo_walk.h"
 #include "scenes/voxels/svo_builder.h"
 #include "testbench/run/job_file.h"
-#include "testbench/run/loaded_model.h"
+#include "testbench/kinds/svo_model.h"
 #include "testbench/run/run_setup.h"
 #include "testbench/tests/scratch.h"
 
@@ -23,7 +23,7 @@ namespace {
 const std::string source = RTUSIM_SOURCE_DIR;
 
 /// A frame of results as the cores give them, from the walk alone.
-frame traced(const run_setup& s, const loaded_model& model, const std::vector<job_packet>& jobs) {
+frame traced(const run_setup& s, const svo_model& model, const std::vector<job_packet>& jobs) {
   frame picture(s.what.picture, s.unit.fixed_point.fraction_bits);
   const svo_walk walk(s.unit.svo_core_params_with_format());
   const numeric::float_to_fixed_converter converter(s.unit.fixed_point, s.unit.float_to_fixed);
@@ -65,10 +65,10 @@ TEST_CASE("places: every hit names a filled voxel, next to the point where it li
         const run_setup s({"", source + "/testbench/architectures/" + architecture + ".toml",
                            {"frame.width=96", "frame.height=54", "memory.address_bits=24", "svo_core.stack_depth=16", view},
                            source + "/testbench/golden/svo/models/" + model_file + ".svo"});
-        const loaded_model model(s);
-        const auto jobs = model.jobs(s, 1, true).packets;
+        const svo_model model(s.unit, s.what);
+        const auto jobs = model.jobs(s.unit, s.what, 1, true).packets;
         const frame picture = traced(s, model, jobs);
-        const frame::places where = model.places(s, jobs, picture);
+        const frame::places where = model.places(s.unit, jobs, picture);
         CAPTURE(architecture, model_file, view, where.cells);
         REQUIRE(where.cells == model.voxels_an_edge());
         // The words of the octree themselves: down from the root by the voxel's bits.

@@ -10,6 +10,7 @@
 #include "modules/formats/svo_image.h"
 #include "testbench/bench/simulation.h"
 #include "testbench/kinds/driver.h"
+#include "testbench/kinds/svo_walker.h"
 #include "testbench/replay/replay.h"
 #include "testbench/run/job_file.h"
 #include "testbench/tests/in_child.h"
@@ -60,7 +61,7 @@ outcome replay_of(const design& d, const surroundings& s, const svo_image& image
     outcome o{log_header, ""};
     const auto note = [&](cycle c, const traversal_result& r, std::uint64_t) { o.log += log_line(c, r); };
     const run_figures figures =
-        kept_walks ? replay(d, s, walk_rays(d, image.words, jobs, 2), note) : replay(d, s, image.words, jobs, 2, note);
+        kept_walks ? replay(d, s, walk_rays(svo_walker(d, image.words), jobs, 2), note) : replay(d, s, svo_walker(d, image.words), jobs, 2, note);
     config::report report;
     figures.describe(report);
     o.statistics = report.values().dump();

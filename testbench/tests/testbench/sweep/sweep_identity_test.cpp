@@ -19,6 +19,8 @@
 #include <nlohmann/json.hpp>
 
 #include "modules/config/error.h"
+#include "testbench/kinds/bih_model.h"
+#include "testbench/kinds/svo_model.h"
 #include "testbench/replay/replay.h"
 #include "testbench/tests/scratch.h"
 
@@ -220,10 +222,11 @@ struct shared {
 shared shared_of(const run_setup& s) {
   shared all;
   try {
-    const loaded_model model(s);
-    const sent_jobs sent = model.jobs(s, 1, false);
+    const auto model = load_model(s.unit, s.what);
+    const sent_jobs sent = model->jobs(s.unit, s.what, 1, false);
     for (const job_packet& j : sent.packets) all.jobs.push_back({j.job_word, j.t0[0], j.t0[1], j.t0[2], j.t1[0], j.t1[1], j.t1[2], j.address});
-    if (const auto& t = model.triangles()) {
+    if (const auto* of_triangles = dynamic_cast<const bih_model*>(model.get())) {
+      const triangle_model* const t = &of_triangles->triangles();
       all.hierarchy = t->hierarchy.words;
       all.corner = t->hierarchy.corner;
       for (const accelerated_triangle& a : t->hierarchy.triangles)
@@ -233,8 +236,8 @@ shared shared_of(const run_setup& s) {
       all.edge_shift = t->edge_shift;
       return all;
     }
-    all.octree = model.octree();
-    const walked_rays walked = walk_rays(s.unit, model.octree(), sent.packets, 1);
+    all.octree = dynamic_cast<const svo_model&>(*model).octree();
+    const walked_rays walked = walk_rays(*model->walker(s.unit), sent.packets, 1);
     for (std::size_t i = 0; i < walked.size; ++i) {
       const walked_ray& r = walked.rays[i];
       all.walks.push_back({r.job_word, r.cost, r.pushes, r.depth, r.hit, r.overflow, r.hit ? r.t_hit : 0, r.hit ? r.axis : 0});

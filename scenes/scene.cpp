@@ -1,4 +1,4 @@
-#include "testbench/run/scene.h"
+#include "scenes/scene.h"
 
 #include "scenes/meshes/mesh.h"
 #include "scenes/voxels/octree_model.h"

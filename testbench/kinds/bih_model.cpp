@@ -1,0 +1,76 @@
+#include "testbench/kinds/bih_model.h"
+
+#include <cmath>
+#include <iterator>
+#include <memory>
+
+#include "modules/bih_core/bih_walk.h"
+#include "modules/config/error.h"
+#include "modules/job_manager/ray_setup.h"
+#include "testbench/kinds/checksum.h"
+#include "testbench/kinds/driver.h"
+#include "testbench/pictures/grouped.h"
+
+namespace rtusim {
+
+bih_model::bih_model(const design& d, const scene& what)
+    : model_(load_triangles(what.model.model, d.quantisation_, d.bih_builder.leaf_triangles, d.bih_core.address_bits, what.model.patch_quads)) {}
+
+void bih_model::settle(design& d) const { d.quantisation_.edge_shift = model_.edge_shift; }
+
+host_figures bih_model::host() const {
+  host_figures h;
+  h.triangles = {model_.losses, model_.edge_shift};
+  return h;
+}
+
+std::vector<job_packet> bih_model::camera_jobs(const design& d, const scene& what, unsigned threads, host_figures&) const {
+  auto packets = triangle_jobs(what.view, what.picture, model_.grid, d.driver.norm, d.driver.skip_misses, threads);
+  if (packets.empty())
+    throw input_error("camera", "no ray meets the box of the model", "a camera that looks at it, or driver.skip_misses = false");
+  return packets;
+}
+
+std::vector<job_packet> bih_model::list_jobs(const design& d, const ray_list& rays, unsigned threads, host_figures&) const {
+  return triangle_jobs(rays, model_.grid, d.driver.norm, d.driver.skip_misses, threads);
+}
+
+std::uint64_t bih_model::walk_cycles(const design& d, const std::vector<job_packet>& jobs) const {
+  const ray_setup set_up(d.quantisation_, model_.hierarchy.corner);
+  bih_walk walk(d.bih_core_params_with_widths(), model_.hierarchy);
+  ray_setup_stats ignored;
+  std::uint64_t cycles = 0;
+  for (const job_packet& packet : jobs) {
+    triangle_job job;
+    set_up(packet, ignored, job);
+    cycles += walk(job.ray, [](std::uint32_t, std::uint64_t) {}).cycles();
+  }
+  return cycles;
+}
+
+frame::places bih_model::places(const design&, const std::vector<job_packet>& jobs, const frame& picture) const {
+  frame::places where;
+  where.points = points_of(jobs, picture, [this](const job_packet& job, double distance) { return point_on_ray(job, model_.grid, distance); });
+  return where;
+}
+
+loaded_model::surface_finder bih_model::surfaces(const design& d) const {
+  const auto finder = std::make_shared<triangle_surfaces>(model_, d.quantisation_, d.triangle_unit_.errata.t_halved ? 2 : 1);
+  return [finder](const job_packet& job, const traversal_result& r) { return finder->at(job, r); };
+}
+
+void bih_model::describe(nlohmann::ordered_json& inputs) const {
+  checksum crc;
+  for (const auto& words : model_.hierarchy.words) crc(words);
+  inputs["model_triangles"] = model_.hierarchy.triangles.size();
+  inputs["model_crc32"] = crc.text();
+}
+
+std::string bih_model::size_text() const { return grouped(model_.hierarchy.triangles.size()) + " triangles"; }
+
+void bih_model::add_log_line(fmt::memory_buffer& to, cycle c, const traversal_result& r) const {
+  fmt::format_to(std::back_inserter(to), "{},{},{},{},{},{},{},{},{}\n", c, r.core, r.job_word, static_cast<int>(r.hit),
+                 r.hit ? std::int64_t{model_.faces[r.triangle]} : -1, r.t_hit, r.u, r.v, r.cost);
+}
+
+}  // namespace rtusim

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "testbench/kinds/loaded_model.h"
+#include "testbench/kinds/triangle_model.h"
+
+namespace rtusim {
+
+/// A hierarchy over a mesh for triangle cores.
+///
+/// Log: cycle, core, job_id, hit, tri (the mesh's face, -1 on a miss), t, u, v (raw words, 0 on a miss), clocks.
+class bih_model final : public loaded_model {
+ public:
+  /// Errors: those of `load_triangles`.
+  bih_model(const design& d, const scene& what);
+
+  const triangle_model& triangles() const { return model_; }
+
+  model_view view() const override { return model_.hierarchy; }
+  void settle(design& d) const override;
+  std::uint64_t walk_cycles(const design& d, const std::vector<job_packet>& jobs) const override;
+  frame::places places(const design& d, const std::vector<job_packet>& jobs, const frame& picture) const override;
+  surface_finder surfaces(const design& d) const override;
+  void describe(nlohmann::ordered_json& inputs) const override;
+  std::string size_text() const override;
+  std::string_view cores_word() const override { return "triangle"; }
+  std::string_view log_header() const override { return "cycle,core,job_id,hit,tri,t,u,v,clocks\n"; }
+  void add_log_line(fmt::memory_buffer& to, cycle c, const traversal_result& r) const override;
+
+ private:
+  std::vector<job_packet> camera_jobs(const design& d, const scene& what, unsigned threads, host_figures& host) const override;
+  std::vector<job_packet> list_jobs(const design& d, const ray_list& rays, unsigned threads, host_figures& host) const override;
+  host_figures host() const override;
+
+  triangle_model model_;
+};
+
+}  // namespace rtusim

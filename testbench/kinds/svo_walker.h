@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "modules/job_manager/job_manager.h"
+#include "modules/rtu/design.h"
+#include "modules/svo_core/svo_walk.h"
+#include "testbench/replay/walks.h"
+
+namespace rtusim {
+
+/// Converts jobs and walks them through an octree, which must outlive this.
+class svo_walker final : public ray_walker {
+ public:
+  svo_walker(const design& d, const std::vector<std::uint32_t>& octree)
+      : walk_(d.svo_core_params_with_format()), converter_(d.fixed_point, d.float_to_fixed), words_(view_of(octree, d.memory_)) {}
+
+  void operator()(const job_packet* jobs, std::size_t count, walked_ray* to, numeric::float_to_fixed_stats& conversion) const override {
+    traversal_job job;
+    for (std::size_t i = 0; i < count; ++i) {
+      convert(jobs[i], converter_, conversion, job);
+      const svo_outcome o = walk_(job, words_);
+      to[i] = {o.t_hit, o.job_word, o.cost, o.pushes, o.depth, o.axis, o.hit, o.overflow};
+    }
+  }
+
+ private:
+  svo_walk walk_;
+  numeric::float_to_fixed_converter converter_;
+  word_view words_;
+};
+
+}  // namespace rtusim
