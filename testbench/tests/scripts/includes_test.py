@@ -23,6 +23,7 @@ modules/bih_core
 modules/rtu
 scenes/meshes scenes/rays
 scenes/voxels scenes/triangles
+scenes
 testbench/bench testbench/pictures
 testbench/replay
 testbench/kinds
