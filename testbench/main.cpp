@@ -32,7 +32,7 @@
 #include "testbench/commands/record_command.h"
 #include "testbench/commands/run_command.h"
 #include "testbench/commands/sweep_command.h"
-#include "testbench/units/unit_bench.h"
+#include "testbench/commands/unit_command.h"
 
 namespace {
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <numeric>
 #include <optional>
@@ -321,6 +322,15 @@ void schema::note_defaults(const section& s) {
 
 void schema::entry_form(std::string key, std::map<std::string, std::string> fields, std::string why_one) {
   entry_forms_[std::move(key)] = {std::move(fields), std::move(why_one)};
+}
+
+section& schema::place_for(std::string_view name, std::string_view after) {
+  const auto named = [this](std::string_view n) {
+    return std::find_if(sections_.begin(), sections_.end(), [n](const section& s) { return s.name() == n; });
+  };
+  if (const auto there = named(name); there != sections_.end()) return *there;
+  const auto before = after.empty() ? sections_.end() : named(after);
+  return *sections_.emplace(before == sections_.end() ? before : std::next(before), std::string(name));
 }
 
 parameter* schema::find(std::string_view key) {

@@ -1,8 +1,8 @@
 #pragma once
 
-#include <deque>
 #include <filesystem>
 #include <functional>
+#include <list>
 #include <map>
 #include <set>
 #include <string>
@@ -21,13 +21,14 @@ namespace rtusim::config {
 /// by itself wins over `errata.all` of the same file or of an earlier place, whatever the order in the file); then `check_read`.
 class schema {
  public:
-  /// Describes `params` as a section. Its present values become the defaults.
-  /// `home`: the kind of file its keys stand in, "a scene file"; empty: they stand in any.
+  /// Describes `params` as a section, or as more of one. Its present values become the defaults.
+  /// `home`: the kind of file its keys stand in, "a scene file"; empty: they stand in any. `after`: the section after which a new one stands in
+  /// records; at the end if empty.
   template <class Params>
-  void add(std::string_view name, Params& params, std::string_view home = {}) {
-    sections_.emplace_back(std::string(name));
-    params.describe(sections_.back());
-    note_defaults(sections_.back());
+  void add(std::string_view name, Params& params, std::string_view home = {}, std::string_view after = {}) {
+    section& s = place_for(name, after);
+    params.describe(s);
+    note_defaults(s);
     homes_[std::string(name)] = home;
   }
 
@@ -70,13 +71,14 @@ class schema {
   /// The same of the parameters whose key holds `part` anywhere; empty when there are none.
   std::string explain_all_with(std::string_view part) const;
 
-  const std::deque<section>& sections() const { return sections_; }
+  const std::list<section>& sections() const { return sections_; }
 
  private:
   struct origin { std::string place; std::string key; };  // where a value was given: "a.toml:7" or "--set"
   struct entry { std::map<std::string, std::string> fields; std::string why_one; };
   struct assignment;
   struct toml_reader;
+  section& place_for(std::string_view name, std::string_view after);
   void note_defaults(const section& s);
   parameter* find(std::string_view key);
   void apply(std::vector<assignment> assignments, const std::set<std::string>* allowed);
@@ -88,7 +90,7 @@ class schema {
   std::set<std::string> sections_of(std::string_view kind) const;
   std::string page(const std::function<bool(std::string_view)>& is_wanted) const;
 
-  std::deque<section> sections_;
+  std::list<section> sections_;
   std::map<std::string, std::string> homes_;                // by section
   std::map<std::string, entry> entry_forms_;                // by key
   std::map<std::string, nlohmann::ordered_json> defaults_;  // by key

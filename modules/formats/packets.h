@@ -27,13 +27,17 @@ struct job_packet {
 };
 static_assert(sizeof(job_packet) == 32);
 
-/// A ray as the traversal cores see it: fixed point, sign-extended to the host word (Espe 2019, app. C.6).
-struct traversal_job {
+/// What the jobs of all kinds of cores have.
+struct core_job {
   std::uint32_t job_word = 0;
+  std::uint32_t sequence = 0;       ///< not in the hardware: the how-manieth job of the run, for the scoreboard
+};
+
+/// A ray as the traversal cores see it: fixed point, sign-extended to the host word (Espe 2019, app. C.6).
+struct traversal_job : core_job {
   std::uint32_t address = 0;
   per_axis<std::int64_t> t0{};
   per_axis<std::int64_t> t1{};
-  std::uint32_t sequence = 0;       ///< not in the hardware: the how-manieth job of the run, for the scoreboard
 
   unsigned direction_bits() const { return (job_word >> job_id_bits) & 7; }
 };

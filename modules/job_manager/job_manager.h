@@ -40,6 +40,8 @@ class job_manager final : public pipeline_unit<job_packet, traversal_job> {
   stats stats_;
 };
 
+inline numeric::float_to_fixed_stats conversion_of(const job_manager::stats& s) { return s.conversion; }
+
 /// What a job becomes in the job manager; its `sequence` is left 0.
 inline void convert(const job_packet& packet, const numeric::float_to_fixed_converter& converter, numeric::float_to_fixed_stats& stats,
                     traversal_job& job) {

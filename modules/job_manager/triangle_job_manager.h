@@ -41,4 +41,6 @@ class triangle_job_manager final : public pipeline_unit<job_packet, triangle_job
   stats stats_;
 };
 
+inline numeric::float_to_fixed_stats conversion_of(const triangle_job_manager::stats& s) { return s.setup.conversion; }
+
 }  // namespace rtusim

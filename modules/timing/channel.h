@@ -85,6 +85,16 @@ class channel_base : public sc_core::sc_object, public virtual sc_core::sc_inter
   bool valid_level(cycle c) const;
   bool ready_level() const;
 
+  /// Lets `observer.transferred(which, c, payload)` watch the transfers of payloads that begin with a `Part`. Observers change nothing.
+  template <class Part, class Observer>
+  void observe_as(Observer& observer, unsigned which) {
+    observer_ = &observer;
+    which_ = which;
+    notify_ = [](void* o, unsigned w, cycle c, const void* payload) {
+      static_cast<Observer*>(o)->transferred(w, c, *static_cast<const Part*>(payload));
+    };
+  }
+
  protected:
   explicit channel_base(const char* name);
   void register_port(sc_core::sc_port_base& port, const char* interface_name) override;
@@ -178,14 +188,9 @@ class channel final : public channel_base {
       return &payload;
     };
   }
-  /// Lets `observer.transferred(which, c, payload)` watch the transfers. Observers change nothing.
   template <class Observer>
   void observe(Observer& observer, unsigned which) {
-    observer_ = &observer;
-    which_ = which;
-    notify_ = [](void* o, unsigned w, cycle c, const void* payload) {
-      static_cast<Observer*>(o)->transferred(w, c, *static_cast<const T*>(payload));
-    };
+    observe_as<T>(observer, which);
   }
 
  private:

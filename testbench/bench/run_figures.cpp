@@ -1,43 +1,11 @@
 #include "testbench/bench/run_figures.h"
 
-#include <algorithm>
-
 #include <fmt/format.h>
 
 namespace rtusim {
-namespace {
-
-template <class Jobs, class Core>
-std::vector<config::report::entry> figures_with() {
-  run_figures run;
-  run.add(Jobs{});
-  run.add(Core{});
-  run.channels.emplace_back("job", channel_stats{});
-  if constexpr (std::is_same_v<Core, bih_core::stats>) run.host.triangles.emplace();
-  config::report all;
-  run.describe(all);
-  return all.entries();
-}
-
-}  // namespace
-
-std::vector<config::report::entry> all_figures() {
-  auto entries = figures_with<job_manager::stats, svo_core::stats>();
-  for (const auto& e : figures_with<triangle_job_manager::stats, bih_core::stats>()) {
-    const auto same = [&e](const auto& other) { return other.key == e.key; };
-    if (std::none_of(entries.begin(), entries.end(), same)) entries.push_back(e);
-  }
-  return entries;
-}
-
-numeric::float_to_fixed_stats run_figures::conversion() const {
-  if (const auto* s = std::get_if<job_manager::stats>(&jobs)) return s->conversion;
-  return std::get<triangle_job_manager::stats>(jobs).setup.conversion;
-}
-
 std::vector<std::string> run_figures::warnings() const {
   std::vector<std::string> all;
-  if (const auto c = conversion(); c.overflows + c.nans != 0)
+  if (const auto c = bank->conversion(); c.overflows + c.nans != 0)
     all.push_back(fmt::format("{} parameters of the jobs lie beyond the fixed-point range, {} are no number", c.overflows, c.nans));
   if (host.triangles && host.triangles->losses.dropped + host.triangles->losses.clamped != 0)
     all.push_back(fmt::format("of the triangles {} lost their area on the grid, {} have edges beyond edge_shift and were clamped",
@@ -66,17 +34,8 @@ void run_figures::describe(config::report& r) const {
   r.group("latency", [this](config::report& g) { results.latency.describe(g, "cycles"); });
   r.group("cost", [this](config::report& g) { results.cost.describe(g, "cycles"); });
   r.group("waits", [&](config::report& g) { results.waits.describe(g, rays); });
-  r.group("job_manager", [this](config::report& g) { std::visit([&g](const auto& s) { s.describe(g); }, jobs); });
-  std::visit(
-      [&](const auto& of_kind) {
-        using stats = typename std::decay_t<decltype(of_kind)>::value_type;
-        stats all;
-        for (const stats& core : of_kind) all += core;
-        r.group(std::is_same_v<stats, bih_core::stats> ? "bih_core" : "svo_core", [&](config::report& g) { all.describe(g); });
-        for (std::size_t i = 0; i < of_kind.size(); ++i)
-          r.group(fmt::format("core_{}", i), [&](config::report& g) { of_kind[i].describe(g); });
-      },
-      cores);
+  r.group("job_manager", [this](config::report& g) { bank->describe_job_manager(g); });
+  bank->describe_cores(r);
   r.group("channels", [this](config::report& g) {
     for (const auto& [name, stats] : channels) g.group(name, [&s = stats](config::report& c) { s.describe(c); });
   });

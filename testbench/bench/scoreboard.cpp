@@ -5,13 +5,13 @@
 namespace rtusim {
 
 scoreboard::scoreboard(rtu& unit, channel<job_packet>& jobs, channel<traversal_result>& results)
-    : job_latency_cycles_(unit.job_latency_cycles()), core_latency_cycles_(unit.core_latency_cycles()) {
+    : job_latency_cycles_(unit.bank().job_latency_cycles()), core_latency_cycles_(unit.bank().core_latency_cycles()) {
   std::size_t ring = 16;
   while (ring < job_latency_cycles_ + 2 * unit.cores() + 2) ring *= 2;
   flights_.resize(ring);
   jobs.observe(*this, 0);
   for (unsigned i = 0; i < unit.cores(); ++i) {
-    unit.visit([&](auto& front) { front.core_job[i].observe(*this, i); });
+    unit.bank().core_job_channel(i).observe_as<core_job>(*this, i);
     unit.core_results()[i].observe(*this, i);
   }
   results.observe(*this, unit_output);
@@ -30,10 +30,10 @@ void scoreboard::transferred(unsigned, cycle c, const job_packet& p) {
   figures_.last_accepted = c;
 }
 
-void scoreboard::dispatched(unsigned core, cycle c, std::uint32_t job_word, std::uint32_t sequence) {
-  flight& f = in_flight(sequence);
-  RTU_CHECK(f.job_word, ==, job_word);
-  RTU_CHECK(sequence, ==, dispatched_);
+void scoreboard::transferred(unsigned core, cycle c, const core_job& j) {
+  flight& f = in_flight(j.sequence);
+  RTU_CHECK(f.job_word, ==, j.job_word);
+  RTU_CHECK(j.sequence, ==, dispatched_);
   ++dispatched_;
   f.dispatched = c;
   f.core = core;

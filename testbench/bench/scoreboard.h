@@ -93,17 +93,12 @@ class scoreboard final {
     std::uint32_t core = 0;
     cycle accepted = never, dispatched = never, buffered = never;
   };
-  template <class T>
-  friend class channel;
+  friend class channel_base;
 
   // Transfers of the observed channels: `which` is the core, or for the RTU's output `unit_output`.
   static constexpr unsigned unit_output = ~0u;
   void transferred(unsigned, cycle c, const job_packet& p);
-  template <class Job>
-  void transferred(unsigned core, cycle c, const Job& j) {
-    dispatched(core, c, j.job_word, j.sequence);
-  }
-  void dispatched(unsigned core, cycle c, std::uint32_t job_word, std::uint32_t sequence);
+  void transferred(unsigned core, cycle c, const core_job& j);
   void transferred(unsigned which, cycle c, const traversal_result& r);
   flight& in_flight(std::uint32_t sequence) { return flights_[sequence & (flights_.size() - 1)]; }
   void arrived(cycle c, const traversal_result& r);

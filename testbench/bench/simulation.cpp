@@ -6,7 +6,7 @@
 
 namespace rtusim {
 
-simulation::simulation(const design& d, const surroundings& s, const model_view& model, const std::vector<job_packet>& jobs, pace p,
+simulation::simulation(const design& d, const surroundings& s, const memory_contents& model, const std::vector<job_packet>& jobs, pace p,
                        const std::optional<waveform_window>& window)
     : jobs_(jobs),
       window_(window),
@@ -23,7 +23,7 @@ simulation::simulation(const design& d, const surroundings& s, const model_view&
   clock_.set_pace(p);
   clock_.set_watchdog(s.watchdog_cycles);
   if (window) {
-    waveform_ = std::make_unique<waveform>(window->file, d.packets());
+    waveform_ = std::make_unique<waveform>(window->file, d.kind().packets());
     if (window->job_id)
       follow_job(*window->job_id);
     else
@@ -60,10 +60,7 @@ run_figures simulation::figures() {
   run_figures f;
   f.clock_mhz = clock_mhz_;
   f.results = scoreboard_.figures();
-  rtu_.visit([&f](auto& front) {
-    f.add(front.job_manager_.statistics());
-    for (auto& core : front.cores) f.add(core.statistics());
-  });
+  f.bank = rtu_.bank().figures();
   for (channel_base* ch : clock_.channels()) f.channels.emplace_back(ch->basename(), ch->stats());
   return f;
 }

@@ -30,8 +30,8 @@ struct waveform_window {
 /// A design between a job source and a result sink. One a process: SystemC elaborates once.
 class simulation {
  public:
-  /// All arguments, and what `model` views, must outlive the simulation.
-  simulation(const design& d, const surroundings& s, const model_view& model, const std::vector<job_packet>& jobs, pace p,
+  /// All arguments, and what `model` holds, must outlive the simulation.
+  simulation(const design& d, const surroundings& s, const memory_contents& model, const std::vector<job_packet>& jobs, pace p,
              const std::optional<waveform_window>& window = {});
 
   clock_domain& clock() { return clock_; }

@@ -6,6 +6,7 @@
 #include "modules/formats/svo_image.h"
 #include "modules/numeric/float_to_fixed.h"
 #include "modules/rtu/design.h"
+#include "modules/svo_core/svo_kind.h"
 #include "testbench/kinds/driver.h"
 
 namespace rtusim {
@@ -19,9 +20,9 @@ inline const svo_image& dragon() {
 inline design as_built(unsigned cores = 16) {
   design d;
   d.rtu.cores = cores;
-  d.driver.last_sign_only = true;
-  d.float_to_fixed = {true, true, true};
-  d.svo_core.far_popcount = d.svo_core.negative_t = d.svo_core.positive_normals = d.svo_core.tm_wrap = d.svo_core.stale_miss = true;
+  d.of<svo_kind>().conversion = {true, true, true};
+  svo_core_params& core = d.of<svo_kind>().core;
+  core.far_popcount = core.negative_t = core.positive_normals = core.tm_wrap = core.stale_miss = true;
   d.result_manager_.valid_withdrawn = true;
   return d;
 }
@@ -35,7 +36,7 @@ inline const std::vector<traversal_job>& frame_jobs() {
   static const std::vector<traversal_job> jobs = [] {
     std::vector<traversal_job> all;
     numeric::float_to_fixed_stats stats;
-    const numeric::float_to_fixed_converter converter(as_built().fixed_point, as_built().float_to_fixed);
+    const numeric::float_to_fixed_converter converter(as_built().of<svo_kind>().format, as_built().of<svo_kind>().conversion);
     for (const job_packet& p : frame_packets()) convert(p, converter, stats, all.emplace_back());
     return all;
   }();

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "modules/svo_core/svo_kind.h"
 #include "testbench/bench/simulation.h"
 #include "testbench/benchmarks/frame_jobs.h"
 #include "testbench/tests/in_child.h"
@@ -21,7 +22,7 @@ void simulate(benchmark::State& state, pace p, const std::optional<waveform_wind
   for (auto _ : state) {
     const std::string answer = in_child([&] {
       const surroundings around;
-      simulation sim(d, around, image, jobs, p, window);
+      simulation sim(d, around, svo_contents(image), jobs, p, window);
       const auto begin = std::chrono::steady_clock::now();
       sim.run();
       const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - begin;

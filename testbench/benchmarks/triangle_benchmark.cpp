@@ -3,6 +3,7 @@
 #include <chrono>
 #include <string>
 
+#include "modules/bih_core/bih_kind.h"
 #include "modules/bih_core/bih_walk.h"
 #include "modules/triangle_unit/triangle_intersector.h"
 #include "testbench/bench/simulation.h"
@@ -15,7 +16,7 @@ namespace {
 /// What is measured: the teapot of 6,320 triangles at 640x360 from the front, errata off, rays that miss its box left out.
 design triangle_design(unsigned cores) {
   design d;
-  d.rtu.core = rtu_params::core_kind::bih;
+  d.choose<bih_kind>();
   d.rtu.cores = cores;
   return d;
 }
@@ -90,7 +91,7 @@ void simulate(benchmark::State& state, pace p) {
   for (auto _ : state) {
     const std::string answer = in_child([&] {
       const surroundings around;
-      simulation sim(d, around, teapot().hierarchy, packets, p);
+      simulation sim(d, around, bih_contents(teapot().hierarchy), packets, p);
       const auto begin = std::chrono::steady_clock::now();
       sim.run();
       const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - begin;

@@ -3,6 +3,7 @@
 #include <stdexcept>
 
 #include "modules/memory/memory.h"
+#include "modules/svo_core/svo_kind.h"
 #include "modules/svo_core/svo_walk.h"
 #include "testbench/benchmarks/frame_jobs.h"
 #include "testbench/benchmarks/reference_walk.h"
@@ -19,7 +20,7 @@ void per_ray(benchmark::State& state, std::size_t rays) {
 
 void reference(benchmark::State& state) {
   const word_view words = view_of(dragon().words, {});
-  const svo_walk walk(as_built().svo_core_params_with_format());
+  const svo_walk walk(as_built().of<svo_kind>().core_with_format());
   for (const traversal_job& job : frame_jobs()) {
     const reference_outcome r = reference_walk(job, words);
     const svo_outcome o = walk(job, words);
@@ -33,7 +34,7 @@ BENCHMARK(reference)->Name("walk/reference")->Unit(benchmark::kMillisecond);
 
 void ours(benchmark::State& state, const design& d) {
   const word_view words = view_of(dragon().words, {});
-  const svo_walk walk(d.svo_core_params_with_format());
+  const svo_walk walk(d.of<svo_kind>().core_with_format());
   for (auto _ : state)
     for (const traversal_job& job : frame_jobs()) benchmark::DoNotOptimize(walk(job, words));
   per_ray(state, frame_jobs().size());
@@ -43,13 +44,13 @@ BENCHMARK_CAPTURE(ours, right, design())->Name("walk/right")->Unit(benchmark::kM
 
 design wide() {
   design d = as_built();
-  d.fixed_point = {24, 24};
+  d.of<svo_kind>().format = {24, 24};
   return d;
 }
 BENCHMARK_CAPTURE(ours, wide, wide())->Name("walk/48_bits")->Unit(benchmark::kMillisecond);
 
 void convert_frame(benchmark::State& state) {
-  const numeric::float_to_fixed_converter converter(as_built().fixed_point, as_built().float_to_fixed);
+  const numeric::float_to_fixed_converter converter(as_built().of<svo_kind>().format, as_built().of<svo_kind>().conversion);
   numeric::float_to_fixed_stats stats;
   traversal_job job;
   for (auto _ : state) {
@@ -70,14 +71,14 @@ BENCHMARK(camera_frame)->Name("camera/threads")->Arg(1)->Arg(2)->Unit(benchmark:
 
 void walk_all(benchmark::State& state) {
   for (auto _ : state)
-    benchmark::DoNotOptimize(walk_rays(svo_walker(as_built(), dragon().words), frame_packets(), static_cast<unsigned>(state.range(0))));
+    benchmark::DoNotOptimize(walk_rays(svo_walker(as_built().of<svo_kind>(), dragon().words), frame_packets(), static_cast<unsigned>(state.range(0))));
   per_ray(state, frame_packets().size());
 }
 BENCHMARK(walk_all)->Name("replay/walks/threads")->Arg(1)->Arg(2)->Unit(benchmark::kMillisecond)->UseRealTime();
 
 void schedule(benchmark::State& state) {
   const design d = as_built(static_cast<unsigned>(state.range(0)));
-  const walked_rays walked = walk_rays(svo_walker(d, dragon().words), frame_packets(), 2);
+  const walked_rays walked = walk_rays(svo_walker(d.of<svo_kind>(), dragon().words), frame_packets(), 2);
   for (auto _ : state) benchmark::DoNotOptimize(replay(d, {}, walked, {}));
   per_ray(state, frame_packets().size());
 }
@@ -85,7 +86,7 @@ BENCHMARK(schedule)->Name("replay/schedule/cores")->Arg(1)->Arg(4)->Arg(16)->Arg
 
 void replay_all(benchmark::State& state) {
   const design d = as_built(static_cast<unsigned>(state.range(0)));
-  for (auto _ : state) benchmark::DoNotOptimize(replay(d, {}, svo_walker(d, dragon().words), frame_packets(), 2, {}));
+  for (auto _ : state) benchmark::DoNotOptimize(replay(d, {}, svo_walker(d.of<svo_kind>(), dragon().words), frame_packets(), 2, {}));
   per_ray(state, frame_packets().size());
 }
 BENCHMARK(replay_all)->Name("pace/replay/cores")->Arg(1)->Arg(4)->Arg(16)->Arg(64)->Unit(benchmark::kMillisecond)->UseRealTime();

@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "modules/config/error.h"
-#include "testbench/bench/run_figures.h"
+#include "testbench/kinds/host_kind.h"
 #include "testbench/run/run_setup.h"
 #include "testbench/run/summary.h"
 

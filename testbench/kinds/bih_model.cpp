@@ -13,10 +13,12 @@
 
 namespace rtusim {
 
-bih_model::bih_model(const design& d, const scene& what)
-    : model_(load_triangles(what.model.model, d.quantisation_, d.bih_builder.leaf_triangles, d.bih_core.address_bits, what.model.patch_quads)) {}
+bih_model::bih_model(const design& d, const scene& what, const triangle_driver_params& driver, unsigned leaf_triangles)
+    : driver_(driver),
+      model_(load_triangles(what.model.model, d.of<bih_kind>().words, leaf_triangles, d.of<bih_kind>().core.address_bits, what.model.patch_quads)),
+      contents_(model_.hierarchy) {}
 
-void bih_model::settle(design& d) const { d.quantisation_.edge_shift = model_.edge_shift; }
+void bih_model::settle(design& d) const { d.of<bih_kind>().words.edge_shift = model_.edge_shift; }
 
 host_figures bih_model::host() const {
   host_figures h;
@@ -24,20 +26,20 @@ host_figures bih_model::host() const {
   return h;
 }
 
-std::vector<job_packet> bih_model::camera_jobs(const design& d, const scene& what, unsigned threads, host_figures&) const {
-  auto packets = triangle_jobs(what.view, what.picture, model_.grid, d.driver.norm, d.driver.skip_misses, threads);
+std::vector<job_packet> bih_model::camera_jobs(const design&, const scene& what, unsigned threads, host_figures&) const {
+  auto packets = triangle_jobs(what.view, what.picture, model_.grid, driver_.norm, driver_.skip_misses, threads);
   if (packets.empty())
     throw input_error("camera", "no ray meets the box of the model", "a camera that looks at it, or driver.skip_misses = false");
   return packets;
 }
 
-std::vector<job_packet> bih_model::list_jobs(const design& d, const ray_list& rays, unsigned threads, host_figures&) const {
-  return triangle_jobs(rays, model_.grid, d.driver.norm, d.driver.skip_misses, threads);
+std::vector<job_packet> bih_model::list_jobs(const design&, const ray_list& rays, unsigned threads, host_figures&) const {
+  return triangle_jobs(rays, model_.grid, driver_.norm, driver_.skip_misses, threads);
 }
 
 std::uint64_t bih_model::walk_cycles(const design& d, const std::vector<job_packet>& jobs) const {
-  const ray_setup set_up(d.quantisation_, model_.hierarchy.corner);
-  bih_walk walk(d.bih_core_params_with_widths(), model_.hierarchy);
+  const ray_setup set_up(d.of<bih_kind>().words, model_.hierarchy.corner);
+  bih_walk walk(d.of<bih_kind>().core_with_widths(), model_.hierarchy);
   ray_setup_stats ignored;
   std::uint64_t cycles = 0;
   for (const job_packet& packet : jobs) {
@@ -55,7 +57,7 @@ frame::places bih_model::places(const design&, const std::vector<job_packet>& jo
 }
 
 loaded_model::surface_finder bih_model::surfaces(const design& d) const {
-  const auto finder = std::make_shared<triangle_surfaces>(model_, d.quantisation_, d.triangle_unit_.errata.t_halved ? 2 : 1);
+  const auto finder = std::make_shared<triangle_surfaces>(model_, d.of<bih_kind>().words, d.of<bih_kind>().intersector.errata.t_halved ? 2 : 1);
   return [finder](const job_packet& job, const traversal_result& r) { return finder->at(job, r); };
 }
 

@@ -5,6 +5,8 @@
 #include <string_view>
 #include <vector>
 
+#include "modules/bih_core/bih_kind.h"
+#include "testbench/kinds/driver.h"
 #include "testbench/kinds/loaded_model.h"
 #include "testbench/kinds/triangle_model.h"
 
@@ -16,11 +18,11 @@ namespace rtusim {
 class bih_model final : public loaded_model {
  public:
   /// Errors: those of `load_triangles`.
-  bih_model(const design& d, const scene& what);
+  bih_model(const design& d, const scene& what, const triangle_driver_params& driver, unsigned leaf_triangles);
 
   const triangle_model& triangles() const { return model_; }
 
-  model_view view() const override { return model_.hierarchy; }
+  const memory_contents& memories() const override { return contents_; }
   void settle(design& d) const override;
   std::uint64_t walk_cycles(const design& d, const std::vector<job_packet>& jobs) const override;
   frame::places places(const design& d, const std::vector<job_packet>& jobs, const frame& picture) const override;
@@ -36,7 +38,9 @@ class bih_model final : public loaded_model {
   std::vector<job_packet> list_jobs(const design& d, const ray_list& rays, unsigned threads, host_figures& host) const override;
   host_figures host() const override;
 
+  triangle_driver_params driver_;
   triangle_model model_;
+  bih_contents contents_;
 };
 
 }  // namespace rtusim

@@ -157,7 +157,18 @@ std::vector<job_packet> triangle_packets(const Rays& source, unsigned height, st
 
 }  // namespace
 
-slab_rules slab_rules::of(const driver_params& p, const numeric::fixed_format& format) {
+void voxel_driver_params::describe(config::section& s) {
+  s.erratum("last_sign_only", last_sign_only, "only the last negative direction component sets its bit of a", "each one does");
+  s.erratum("only_zero_replaced", only_zero_replaced, "only a direction component of 0 is replaced before the division",
+            "so is one by which the fixed-point format can't divide");
+}
+
+void triangle_driver_params::describe(config::section& s) {
+  s.choice("norm", norm, norm_words(), "directions are scaled so that their components' magnitudes, or squares, add up to 1");
+  s.flag("skip_misses", skip_misses, "rays that miss the box of the scene are not sent");
+}
+
+slab_rules slab_rules::of(const voxel_driver_params& p, const numeric::fixed_format& format) {
   slab_rules rules;
   rules.last_sign_only = p.last_sign_only;
   if (!p.only_zero_replaced) rules.limit = std::ldexp(1.0, static_cast<int>(format.integer_bits) - 1);

@@ -5,15 +5,37 @@
 #include <limits>
 #include <vector>
 
+#include "modules/config/section.h"
 #include "modules/formats/packets.h"
 #include "modules/formats/quantisation.h"
-#include "modules/rtu/design.h"
+#include "modules/numeric/fixed_point.h"
 #include "scenes/rays/camera.h"
 #include "scenes/rays/ray_list.h"
 #include "testbench/pictures/frame.h"
 
 /// What the host's driver makes of rays before it sends them.
 namespace rtusim {
+
+/// What the driver does as it sends rays to voxel cores (Espe 2019, app. F).
+struct voxel_driver_params {
+  bool last_sign_only = false;
+  bool only_zero_replaced = false;
+
+  void describe(config::section& s);
+};
+
+/// What a direction's length is measured by: the sum of its components' magnitudes, or their root of squares.
+enum class direction_norm : std::uint8_t { one, two };
+
+/// What the driver does as it sends rays to triangle cores (Hanika 2007, sec. 2.1).
+struct triangle_driver_params {
+  static config::word_list norm_words() { return {"one", "two"}; }
+
+  direction_norm norm = direction_norm::two;
+  bool skip_misses = true;
+
+  void describe(config::section& s);
+};
 
 /// How rays for voxel cores are set up.
 struct slab_rules {
@@ -22,7 +44,7 @@ struct slab_rules {
   double limit = std::numeric_limits<double>::infinity();
 
   /// Of a design: the limit is the end of its fixed-point range.
-  static slab_rules of(const driver_params& p, const numeric::fixed_format& format);
+  static slab_rules of(const voxel_driver_params& p, const numeric::fixed_format& format);
 };
 
 /// The job packet of one ray, computed as the thesis' driver does (Espe 2019, sec. 4.1 and 6.2.1, app. F `get_initial_params`).

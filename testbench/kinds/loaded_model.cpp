@@ -3,8 +3,6 @@
 #include <utility>
 
 #include "modules/config/error.h"
-#include "testbench/kinds/bih_model.h"
-#include "testbench/kinds/svo_model.h"
 
 namespace rtusim {
 
@@ -30,14 +28,6 @@ sent_jobs loaded_model::jobs(const design& d, const scene& what, unsigned thread
   }
   sent.host.unsent_rays = rays - sent.packets.size();
   return sent;
-}
-
-std::unique_ptr<loaded_model> load_model(const design& d, const scene& what) {
-  switch (d.rtu.core) {
-    case rtu_params::core_kind::svo: return std::make_unique<svo_model>(d, what);
-    case rtu_params::core_kind::bih: return std::make_unique<bih_model>(d, what);
-  }
-  throw simulation_error("rtu.core is of no kind");
 }
 
 }  // namespace rtusim

@@ -12,7 +12,6 @@
 
 #include "modules/formats/packets.h"
 #include "modules/rtu/design.h"
-#include "modules/rtu/rtu.h"
 #include "modules/timing/offer.h"
 #include "scenes/rays/camera.h"
 #include "scenes/rays/ray_list.h"
@@ -30,7 +29,8 @@ class loaded_model {
   loaded_model(const loaded_model&) = delete;
   loaded_model& operator=(const loaded_model&) = delete;
 
-  virtual model_view view() const = 0;
+  /// What lies in the memories.
+  virtual const memory_contents& memories() const = 0;
   /// Puts into a design what it leaves to the model.
   virtual void settle(design&) const {}
 
@@ -68,8 +68,5 @@ class loaded_model {
   /// What became of the model itself.
   virtual host_figures host() const { return {}; }
 };
-
-/// Loads a scene's model for a design's cores. Errors: input_error for a model that can't be used, or that the design can't hold.
-std::unique_ptr<loaded_model> load_model(const design& d, const scene& what);
 
 }  // namespace rtusim

@@ -16,8 +16,8 @@ namespace {
 /// Which cube of an octree a ray hits, as the core's way down tells: its result's t is too coarse for that.
 class cube_finder {
  public:
-  cube_finder(const design& d, const std::vector<std::uint32_t>& octree)
-      : memory_(view_of(octree, d.memory_)), walk_(d.svo_core_params_with_format()), converter_(d.fixed_point, d.float_to_fixed) {}
+  cube_finder(const svo_kind& kind, const std::vector<std::uint32_t>& octree)
+      : memory_(view_of(octree, kind.memory_)), walk_(kind.core_with_format()), converter_(kind.format, kind.conversion) {}
 
   svo_cube operator()(const job_packet& packet) const {
     numeric::float_to_fixed_stats ignored;
@@ -48,28 +48,30 @@ std::array<std::uint32_t, 3> finest_voxel(const svo_cube& cube, unsigned cells, 
 
 }  // namespace
 
-svo_model::svo_model(const design& d, const scene& what)
-    : limits_{d.memory_.address_bits, d.svo_core.stack_depth},
-      octree_(load_octree(what.model.model, what.model.resolution, what.model.patch_quads, limits_)) {}
+svo_model::svo_model(const design& d, const scene& what, const voxel_driver_params& driver)
+    : driver_(driver),
+      limits_{d.of<svo_kind>().memory_.address_bits, d.of<svo_kind>().core.stack_depth},
+      octree_(load_octree(what.model.model, what.model.resolution, what.model.patch_quads, limits_)),
+      contents_(octree_.words) {}
 
 unsigned svo_model::voxels_an_edge() const { return 1u << rtusim::describe(octree_, "model", limits_).levels; }
 
 std::vector<job_packet> svo_model::camera_jobs(const design& d, const scene& what, unsigned threads, host_figures& host) const {
-  return rtusim::camera_jobs(what.view, what.picture, slab_rules::of(d.driver, d.fixed_point), 0, threads, &host.replaced_components);
+  return rtusim::camera_jobs(what.view, what.picture, slab_rules::of(driver_, d.of<svo_kind>().format), 0, threads, &host.replaced_components);
 }
 
 std::vector<job_packet> svo_model::list_jobs(const design& d, const ray_list& rays, unsigned threads, host_figures& host) const {
-  return rtusim::list_jobs(rays, slab_rules::of(d.driver, d.fixed_point), 0, threads, &host.replaced_components);
+  return rtusim::list_jobs(rays, slab_rules::of(driver_, d.of<svo_kind>().format), 0, threads, &host.replaced_components);
 }
 
 std::uint64_t svo_model::walk_cycles(const design& d, const std::vector<job_packet>& jobs) const {
-  const walked_rays walked = walk_rays(svo_walker(d, octree_.words), jobs, 1);
+  const walked_rays walked = walk_rays(svo_walker(d.of<svo_kind>(), octree_.words), jobs, 1);
   std::uint64_t cycles = 0;
   for (std::size_t i = 0; i < walked.size; ++i) cycles += walked.rays[i].cost;
   return cycles;
 }
 
-std::unique_ptr<ray_walker> svo_model::walker(const design& d) const { return std::make_unique<svo_walker>(d, octree_.words); }
+std::unique_ptr<ray_walker> svo_model::walker(const design& d) const { return std::make_unique<svo_walker>(d.of<svo_kind>(), octree_.words); }
 
 frame::places svo_model::places(const design& d, const std::vector<job_packet>& jobs, const frame& picture) const {
   frame::places where;
@@ -77,7 +79,7 @@ frame::places svo_model::places(const design& d, const std::vector<job_packet>& 
   where.cells = voxels_an_edge();
   const std::vector<frame::pixel>& pixels = picture.pixels();
   where.voxels.resize(pixels.size());
-  const cube_finder cubes(d, octree_.words);
+  const cube_finder cubes(d.of<svo_kind>(), octree_.words);
   for (std::size_t i = 0; i < pixels.size(); ++i)
     if (pixels[i].hit) where.voxels[i] = finest_voxel(cubes(jobs[pixels[i].sequence]), where.cells, where.points[i]);
   return where;

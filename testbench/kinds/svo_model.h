@@ -7,6 +7,8 @@
 #include <vector>
 
 #include "modules/formats/svo_image.h"
+#include "modules/svo_core/svo_kind.h"
+#include "testbench/kinds/driver.h"
 #include "testbench/kinds/loaded_model.h"
 
 namespace rtusim {
@@ -18,12 +20,12 @@ namespace rtusim {
 class svo_model final : public loaded_model {
  public:
   /// Errors: those of `load_octree`.
-  svo_model(const design& d, const scene& what);
+  svo_model(const design& d, const scene& what, const voxel_driver_params& driver);
 
   const std::vector<std::uint32_t>& octree() const { return octree_.words; }
   unsigned voxels_an_edge() const;
 
-  model_view view() const override { return octree_.words; }
+  const memory_contents& memories() const override { return contents_; }
   std::uint64_t walk_cycles(const design& d, const std::vector<job_packet>& jobs) const override;
   std::unique_ptr<ray_walker> walker(const design& d) const override;
   frame::places places(const design& d, const std::vector<job_packet>& jobs, const frame& picture) const override;
@@ -37,8 +39,10 @@ class svo_model final : public loaded_model {
   std::vector<job_packet> camera_jobs(const design& d, const scene& what, unsigned threads, host_figures& host) const override;
   std::vector<job_packet> list_jobs(const design& d, const ray_list& rays, unsigned threads, host_figures& host) const override;
 
+  voxel_driver_params driver_;
   svo_limits limits_;
   svo_image octree_;
+  svo_contents contents_;
 };
 
 }  // namespace rtusim

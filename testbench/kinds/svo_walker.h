@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "modules/job_manager/job_manager.h"
-#include "modules/rtu/design.h"
+#include "modules/svo_core/svo_kind.h"
 #include "modules/svo_core/svo_walk.h"
 #include "testbench/replay/walks.h"
 
@@ -14,8 +14,8 @@ namespace rtusim {
 /// Converts jobs and walks them through an octree, which must outlive this.
 class svo_walker final : public ray_walker {
  public:
-  svo_walker(const design& d, const std::vector<std::uint32_t>& octree)
-      : walk_(d.svo_core_params_with_format()), converter_(d.fixed_point, d.float_to_fixed), words_(view_of(octree, d.memory_)) {}
+  svo_walker(const svo_kind& kind, const std::vector<std::uint32_t>& octree)
+      : walk_(kind.core_with_format()), converter_(kind.format, kind.conversion), words_(view_of(octree, kind.memory_)) {}
 
   void operator()(const job_packet* jobs, std::size_t count, walked_ray* to, numeric::float_to_fixed_stats& conversion) const override {
     traversal_job job;

@@ -23,8 +23,7 @@ std::unique_ptr<job_schedule> schedule_for(const design& d, const surroundings& 
 }  // namespace
 
 std::string replay_obstacle(const design& d, const surroundings& s) {
-  if (d.rtu.core != rtu_params::core_kind::svo) return "triangle cores, in which rays overlap";
-  if (d.memory_.which != memory::kind::lut) return "a memory that makes cores wait";
+  if (const std::string why = d.kind().replay_obstacle(); !why.empty()) return why;
   if (s.sink.ready == sink_params::regime::blocked) return "sink.ready = never";
   return {};
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -12,7 +13,7 @@
 #include "modules/config/error.h"
 #include "modules/job_manager/job_manager.h"
 #include "modules/rtu/design.h"
-#include "modules/svo_core/svo_core.h"
+#include "modules/svo_core/svo_kind.h"
 #include "modules/svo_core/svo_walk.h"
 #include "testbench/bench/run_figures.h"
 #include "testbench/replay/replay.h"
@@ -42,7 +43,7 @@ class schedule final : public job_schedule {
         by_cores_(d.rtu.cores),
         offered_steps_(d.rtu.cores + 1),
         buses_(d.rtu.cores),
-        core_params_(d.svo_core_params_with_format()),
+        core_params_(d.of<svo_kind>().core_with_format()),
         source_(s.source),
         stages_(stages),
         accepted_(Held ? walked.size : 0) {
@@ -57,7 +58,6 @@ class schedule final : public job_schedule {
   }
   run_figures finish(const numeric::float_to_fixed_stats& conversion) override {
     jobs_.conversion = conversion;
-    figures_.add(jobs_);
     if constexpr (Held) follow_drains(never);
     order_.flush(last_result_ + 1, [this](cycle c, const leaving_order::result& r) { leave(c, r); });
     check_watchdog(last_dispatch_, last_result_);
@@ -85,7 +85,7 @@ class schedule final : public job_schedule {
     account_dispatch(core, output_from, dispatched);
     last_dispatch_ = dispatched;
     if (ray.overflow)
-      throw svo_stack_overflow(fmt::format("rtu.core_{}", chosen_), design_.svo_core.stack_depth, j, ray.job_word, dispatched);
+      throw svo_stack_overflow(fmt::format("rtu.core_{}", chosen_), design_.of<svo_kind>().core.stack_depth, j, ray.job_word, dispatched);
 
     ++core.jobs;
     core.hits += ray.hit;
@@ -331,6 +331,8 @@ class schedule final : public job_schedule {
     channel("job", jobs, source_.valid_cycles(), end - stages_.stalled());
     channel("result", jobs, result_valid_cycles_, sink_ ? sink_->count(0, end) : end);
 
+    auto bank = std::make_shared<svo_figures>(svo_kind::name);
+    bank->jobs = jobs_;
     for (const auto& core : cores_) {
       svo_core::stats s;
       s.jobs = core.jobs;
@@ -339,8 +341,9 @@ class schedule final : public job_schedule {
       s.idle_cycles = core.idle_cycles;
       s.out_cycles = core.jobs + core.waited_cycles;
       s.visits = visits_of_sums(core.jobs, core.cost, core.pushes, core.depth, core.ends);
-      figures_.add(s);
+      bank->cores.push_back(s);
     }
+    figures_.bank = std::move(bank);
   }
 
   const design& design_;

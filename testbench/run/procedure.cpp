@@ -29,7 +29,7 @@ sent_jobs jobs_of(const run_setup& s, const loaded_model& model, const std::file
 run_pace quickest_pace(const run_setup& s) { return replay_obstacle(s.unit, s.bench).empty() ? run_pace::replay : run_pace::skipping; }
 
 run_inputs::run_inputs(run_setup& s, const std::filesystem::path& job_file, unsigned threads, bool pictured)
-    : model(load_model(s.unit, s.what)) {
+    : model(s.host().load(s.unit, s.what)) {
   model->settle(s.unit);
   sent = jobs_of(s, *model, job_file, threads, pictured);
   record = inputs_of(s, *model, sent.packets);
@@ -50,7 +50,7 @@ traced_run trace(const run_setup& s, const run_inputs& inputs, const run_manner&
     run.figures = inputs.walked ? replay(s.unit, s.bench, *inputs.walked, manner.each)
                                 : replay(s.unit, s.bench, *inputs.model->walker(s.unit), jobs, manner.threads, manner.each);
   } else {
-    simulation sim(s.unit, s.bench, inputs.model->view(), jobs, static_cast<pace>(manner.pace), manner.window);
+    simulation sim(s.unit, s.bench, inputs.model->memories(), jobs, static_cast<pace>(manner.pace), manner.window);
     if (manner.each) sim.board().on_result(manner.each);
     if (manner.progress) sim.clock().set_progress([&] { manner.progress(sim.board().figures().rays); });
     sim.run();

@@ -11,7 +11,7 @@ run_pictures::run_pictures(const run_setup& s, const loaded_model& model, const 
       model_(model),
       jobs_(jobs),
       surfaces_(model.surfaces(s.unit)),
-      picture_(s.what.picture, s.unit.fixed_point.fraction_bits, surfaces_ != nullptr) {
+      picture_(s.what.picture, s.unit.kind().fraction_bits(), surfaces_ != nullptr) {
   if (from_driver) picture_.leave_out_all_but(jobs);
 }
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "modules/config/error.h"
+#include "modules/rtu/core_kinds.h"
 #include "scenes/meshes/mesh.h"
 #include "scenes/voxels/octree_model.h"
 #include "testbench/run/record_paths.h"
@@ -19,6 +20,7 @@ void check_is_no_model(const std::filesystem::path& file, const char* expected) 
 
 run_parameters::run_parameters() {
   unit.describe(parameters);
+  hosts.describe(parameters, unit);
   bench.describe(parameters);
   what.describe(parameters);
 }
@@ -42,7 +44,7 @@ run_setup::run_setup(const run_sources& from) {
   for (const std::string& a : from.assignments) parameters.set(a);
   if (!from.model.empty()) what.model.model = from.model.string();
   if (unit.rtu.core != core && parameters.leaves_unread(from.architecture)) {
-    const auto word = [](rtu_params::core_kind kind) { return rtu_params::core_words()[static_cast<std::size_t>(kind)]; };
+    const auto word = [words = core_words()](unsigned kind) { return words[kind]; };
     throw input_error(
         "--set", fmt::format("rtu.core = {} for {}, a design of {} cores", word(unit.rtu.core), from.architecture.string(), word(core)),
         fmt::format("--arch with one of {} cores, as those in testbench/architectures", word(unit.rtu.core)));

@@ -9,6 +9,7 @@
 #include "modules/config/schema.h"
 #include "modules/rtu/design.h"
 #include "testbench/bench/surroundings.h"
+#include "testbench/kinds/host_kind.h"
 #include "scenes/scene.h"
 
 namespace rtusim {
@@ -24,11 +25,14 @@ struct run_sources {
 /// All that describes a run, and the schema over it: every parameter that there is.
 struct run_parameters {
   design unit;
+  host_kinds hosts;
   surroundings bench;
   scene what;
   config::schema parameters;
 
   run_parameters();
+  /// The host's side of the cores.
+  const host_kind& host() const { return hosts.of(unit); }
   run_parameters(const run_parameters&) = delete;
   run_parameters& operator=(const run_parameters&) = delete;
 };

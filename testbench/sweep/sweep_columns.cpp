@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <string_view>
 
-#include "testbench/bench/run_figures.h"
+#include "testbench/kinds/host_kind.h"
 #include "testbench/run/run_setup.h"
 
 namespace rtusim {

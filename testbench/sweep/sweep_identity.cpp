@@ -1,7 +1,6 @@
 #include "testbench/sweep/sweep_identity.h"
 
 #include <algorithm>
-#include <initializer_list>
 
 #include <fmt/format.h>
 
@@ -39,11 +38,18 @@ json nameless(json parameters) {
   return parameters;
 }
 
-json sections_of(const json& parameters, std::initializer_list<const char*> names) {
-  json some = json::object();
-  for (const char* name : names)
-    if (parameters.contains(name)) some[name] = parameters[name];
-  return some;
+/// The parameters that rays and their walks depend on: all but those that the unit around the cores has, and what the cores' kind names.
+json walked_on(json parameters, const host_kind& kind) {
+  std::vector<std::string> timing_only{"rtu.cores", "rtu.clock_mhz", "scheduler", "result_manager", "source", "sink", "watchdog"};
+  for (std::string& key : kind.timing_only()) timing_only.push_back(std::move(key));
+  for (const std::string& key : timing_only) {
+    const auto dot = key.find('.');
+    if (dot == std::string::npos)
+      parameters.erase(key);
+    else if (const auto section = parameters.find(key.substr(0, dot)); section != parameters.end())
+      section->erase(key.substr(dot + 1));
+  }
+  return parameters;
 }
 
 json checksums_of(const std::vector<config::input_file>& inputs) {
@@ -73,10 +79,7 @@ std::vector<sweep_task> tasks_of(const sweep_plan& plan) {
       const json parameters = nameless(s->parameters.values());
       t.identity = identity_of(*s, t.inputs);
       t.name = config::sha256_of(line_of({{"inputs", checksums_of(t.inputs)}, {"parameters", parameters}})).substr(0, 16);
-      t.walk = line_of({{"inputs", checksums_of(t.inputs)},
-                        {"parameters", sections_of(parameters, {"scene", "frame", "camera", "driver", "fixed_point", "float_to_fixed",
-                                                                "svo_core", "memory", "quantisation", "bih_builder"})},
-                        {"address_bits", parameters.value("/bih_core/address_bits"_json_pointer, 0)}});
+      t.walk = line_of({{"inputs", checksums_of(t.inputs)}, {"parameters", walked_on(parameters, s->host())}});
     } catch (const input_error& e) {
       t.failure = plan.named_as_written(e.what());
       t.name = config::sha256_of(fmt::format("point {} of {}: {}", i, plan.scene_name(*t.point), t.failure)).substr(0, 16);

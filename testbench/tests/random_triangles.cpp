@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "modules/bih_core/bih_kind.h"
 #include "modules/config/error.h"
 #include "scenes/meshes/mesh.h"
 #include "scenes/triangles/bih_builder.h"
@@ -57,31 +58,30 @@ mesh loose_triangles(rng& random) {
 design random_triangle_design(rng& random) {
   const auto coin = [&random] { return random() % 2 == 0; };
   design d;
-  d.rtu.core = rtu_params::core_kind::bih;
+  d.choose<bih_kind>();
   d.rtu.cores = random() % 4 == 0 ? 1 + random() % 24 : 1 + random() % 5;
   d.scheduler_.select = static_cast<scheduler_params::policy>(random() % 3);
   d.result_manager_.valid_withdrawn = coin();
-  if (coin()) d.quantisation_ = random_words(random);
-  if (coin()) d.quantisation_.reciprocal_bits = random() % 29;
-  d.bih_core = random_bih_core(random);
-  d.bih_core.address_bits = 9 + random() % 4;
-  d.bih_core.rays_in_flight = coin() ? 1 + random() % 4 : 1 + random() % 64;
-  d.bih_builder.leaf_triangles = 1 + random() % 16;
-  d.triangle_unit_.errata = coin() ? triangle_errata{} : random_errata(random);
-  d.t_div_.kind = random() % 4 == 0 ? numeric::divider_kind::iterative : numeric::divider_kind::pipelined;
+  if (coin()) d.of<bih_kind>().words = random_words(random);
+  if (coin()) d.of<bih_kind>().words.reciprocal_bits = random() % 29;
+  d.of<bih_kind>().core = random_bih_core(random);
+  d.of<bih_kind>().core.address_bits = 9 + random() % 4;
+  d.of<bih_kind>().core.rays_in_flight = coin() ? 1 + random() % 4 : 1 + random() % 64;
+  d.of<bih_kind>().intersector.errata = coin() ? triangle_errata{} : random_errata(random);
+  d.of<bih_kind>().divider.kind = random() % 4 == 0 ? numeric::divider_kind::iterative : numeric::divider_kind::pipelined;
   return d;
 }
 
 bih_memory random_triangles(rng& random, const design& d) {
   for (;;) {
     try {
-      const quantised_triangles on_grid = quantise(random() % 2 == 0 ? hills(random) : loose_triangles(random), d.quantisation_, "random");
+      const quantised_triangles on_grid = quantise(random() % 2 == 0 ? hills(random) : loose_triangles(random), d.of<bih_kind>().words, "random");
       std::vector<triangle_box> boxes;
       for (const auto& c : on_grid.corners) {
         triangle_box& box = boxes.emplace_back();
         for (unsigned i = 0; i < 3; ++i) std::tie(box.lower[i], box.upper[i]) = std::minmax({c[0][i], c[1][i], c[2][i]});
       }
-      bih_memory memory = build_bih(boxes, d.bih_builder.leaf_triangles, d.bih_core.address_bits, "random");
+      bih_memory memory = build_bih(boxes, 1 + random() % 16, d.of<bih_kind>().core.address_bits, "random");
       memory.triangles = on_grid.triangles;
       memory.corner = on_grid.box;
       return memory;
@@ -103,7 +103,7 @@ job_packet random_triangle_packet(rng& random, std::uint32_t id, const design& d
   double sum = 0;
   const bool inside = random() % 4 == 0;
   for (unsigned i = 0; i < 3; ++i) {
-    const double side = std::ldexp(static_cast<double>(scene.corner[i]), -static_cast<int>(d.quantisation_.n));
+    const double side = std::ldexp(static_cast<double>(scene.corner[i]), -static_cast<int>(d.of<bih_kind>().words.n));
     origin[i] = inside ? uniform(random, 0, side) : uniform(random, -2, 3);
     if (random() % 16 == 0) origin[i] = random() % 2 == 0 ? 0 : side;
     direction[i] = random() % 8 == 0 ? uniform(random, -1, 1) : uniform(random, 0, side) - origin[i];

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "modules/bih_core/bih_walk.h"
+#include "modules/bih_core/bih_kind.h"
 #include "modules/config/csv.h"
 #include "modules/config/error.h"
 #include "modules/formats/bih_memory.h"
@@ -23,8 +24,13 @@ constexpr std::uint64_t most_text = std::uint64_t{1} << 30;  // bytes of triangl
 
 }  // namespace
 
+void check_alone(const bih_kind& kind) {
+  if (kind.words.fit_edges) throw input_error("quantisation.edge_shift", "auto, but a unit that is alone has no mesh", "a number");
+}
+
 void bench_bih_core(const design& d, const unit_files& files) {
-  const bih_core_params params = d.bih_core_params_with_widths();
+  check_alone(d.of<bih_kind>());
+  const bih_core_params params = d.of<bih_kind>().core_with_widths();
   const quantisation& widths = params.widths;
   const bih_memory hierarchy = read_bih(files.memory, params.address_bits, widths);
   check_bih(hierarchy, files.memory.string(), {true, params.empty_leaf_hangs});

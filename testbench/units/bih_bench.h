@@ -1,8 +1,12 @@
 #pragma once
 
-#include "testbench/units/unit_bench.h"
+#include "modules/bih_core/bih_kind.h"
+#include "testbench/units/lone_unit.h"
 
 namespace rtusim {
+
+/// Sees that a triangle unit can be run without a mesh. Errors: input_error.
+void check_alone(const bih_kind& kind);
 
 /// One core of the hierarchy alone on raw words; its memory is a folder as `read_bih` takes it.
 ///

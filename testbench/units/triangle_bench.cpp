@@ -6,11 +6,13 @@
 #include <string>
 #include <vector>
 
+#include "modules/bih_core/bih_kind.h"
 #include "modules/config/csv.h"
 #include "modules/config/error.h"
 #include "modules/numeric/fixed_point.h"
 #include "modules/t_div/t_div.h"
 #include "modules/triangle_unit/triangle_unit.h"
+#include "testbench/units/bih_bench.h"
 #include "testbench/units/unit_harness.h"
 
 namespace rtusim {
@@ -51,8 +53,9 @@ std::string text(std::uint64_t word) { return std::to_string(word); }
 }  // namespace
 
 void bench_t_div(const design& d, const unit_files& files) {
+  check_alone(d.of<bih_kind>());
   const csv_table table(files.jobs);
-  const t_div::params& params = d.t_div_;
+  const t_div::params& params = d.of<bih_kind>().divider;
   const auto n = table.column("n"), divisor = table.column("d");
   std::vector<division> divisions(table.rows());
   word_reader words(table);
@@ -77,8 +80,9 @@ void bench_t_div(const design& d, const unit_files& files) {
 }
 
 void bench_triangle_unit(const design& d, const unit_files& files) {
+  check_alone(d.of<bih_kind>());
   const csv_table table(files.jobs);
-  const triangle_unit_params params = d.triangle_unit_params_with_words();
+  const triangle_unit_params params = d.of<bih_kind>().intersector_with_words();
   const unsigned n = params.words.n, m = params.words.m;
   const unsigned stages = triangle_unit::stages_of(params);
   const std::vector<std::string> inputs{"en", "pos_x", "pos_y", "pos_z", "dir_x", "dir_y", "dir_z", "r",  "pp",

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "testbench/units/unit_bench.h"
+#include "testbench/units/lone_unit.h"
 
 namespace rtusim {
 

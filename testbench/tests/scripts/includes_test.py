@@ -18,17 +18,18 @@ modules/numeric
 modules/formats
 modules/timing
 modules/memory
-modules/float_to_fixed modules/t_div modules/scheduler modules/job_manager modules/triangle_unit modules/result_manager modules/svo_core
-modules/bih_core
+modules/float_to_fixed modules/t_div modules/scheduler modules/job_manager modules/triangle_unit modules/result_manager
+modules/core_bank
+modules/svo_core modules/bih_core
 modules/rtu
 scenes/meshes scenes/rays
 scenes/voxels scenes/triangles
 scenes
 testbench/bench testbench/pictures
-testbench/replay
+testbench/replay testbench/units
 testbench/kinds
 testbench/run
-testbench/sweep testbench/units
+testbench/sweep
 testbench/commands
 testbench
 """

@@ -8,6 +8,8 @@
 
 #include <fmt/format.h>
 
+#include "modules/bih_core/bih_kind.h"
+#include "modules/svo_core/svo_kind.h"
 #include "testbench/bench/simulation.h"
 #include "testbench/tests/in_child.h"
 #include "testbench/tests/scratch.h"
@@ -36,7 +38,7 @@ struct steps {
 };
 
 /// `shown`: what the unit itself says, conversion and core.
-steps steps_of(const design& d, const model_view& model, const job_packet& job, std::string& shown) {
+steps steps_of(const design& d, const memory_contents& model, const job_packet& job, std::string& shown) {
   const test::scratch_folder folder;
   const std::vector<job_packet> jobs{job};
   const surroundings s;
@@ -44,7 +46,7 @@ steps steps_of(const design& d, const model_view& model, const job_packet& job, 
   shown = in_child([&] {
     simulation sim(d, s, model, jobs, pace::skipping, window);
     sim.run();
-    return fmt::format("{} {}", sim.unit().job_latency_cycles(), sim.unit().core_latency_cycles());
+    return fmt::format("{} {}", sim.unit().bank().job_latency_cycles(), sim.unit().bank().core_latency_cycles());
   });
   const test::vcd w(folder / "w.vcd");
   const std::uint64_t accepted = only(w, "job"), pending = only(w, "rtu.pending_job"), dispatched = only(w, "rtu.core_job_0"),
@@ -55,8 +57,8 @@ steps steps_of(const design& d, const model_view& model, const job_packet& job, 
 
 /// A triangle in a leaf that is the root.
 bih_memory one_triangle(const design& d) {
-  bih_memory m(d.bih_core.address_bits);
-  const std::int64_t edge = (std::int64_t{1} << d.quantisation_.n) - 1;
+  bih_memory m(d.of<bih_kind>().core.address_bits);
+  const std::int64_t edge = (std::int64_t{1} << d.of<bih_kind>().words.n) - 1;
   m.corner = {edge, edge, edge};
   m.triangles.resize(1);
   const bih_words root = make_leaf(1, 1);  // its list at address 1: triangle 0
@@ -78,7 +80,7 @@ TEST_CASE("rtu: a ray alone takes the documented cycles, cores for voxels", "[rt
     job.t0 = {bits_of(enter), bits_of(enter), bits_of(enter)};
     job.t1 = {bits_of(enter + 2), bits_of(enter + 2), bits_of(enter + 2)};
     std::string shown;
-    const steps s = steps_of(d, octree, job, shown);
+    const steps s = steps_of(d, svo_contents(octree), job, shown);
     CHECK(s.cost > 0);
     CHECK(s.text() == "6 0 cost+1 1");
     CHECK(shown == "6 1");
@@ -99,21 +101,21 @@ TEST_CASE("rtu: a ray alone takes the documented cycles, cores for triangles", "
                        row{16, 24, 16, 0, true, "50 0 cost+35 1", "50 35"}}) {
     CAPTURE(r.n, r.m, r.reciprocal_bits, r.division_drop, r.den_wraps);
     design d;
-    d.rtu.core = rtu_params::core_kind::bih;
+    d.choose<bih_kind>();
     d.rtu.cores = 1;
-    d.bih_core.address_bits = 6;
-    d.quantisation_.n = r.n;
-    d.quantisation_.m = r.m;
-    d.quantisation_.reciprocal_bits = r.reciprocal_bits;
-    d.quantisation_.division_drop = r.division_drop;
-    d.triangle_unit_.errata.den_wraps = r.den_wraps;
+    d.of<bih_kind>().core.address_bits = 6;
+    d.of<bih_kind>().words.n = r.n;
+    d.of<bih_kind>().words.m = r.m;
+    d.of<bih_kind>().words.reciprocal_bits = r.reciprocal_bits;
+    d.of<bih_kind>().words.division_drop = r.division_drop;
+    d.of<bih_kind>().intersector.errata.den_wraps = r.den_wraps;
     const bih_memory model = one_triangle(d);
     job_packet job;  // along z from the middle of the lower side, or away from it
     for (const float down : {1.0f, -1.0f}) {
       job.t0 = {bits_of(0.5f), bits_of(0.5f), bits_of(down < 0 ? -0.25f : 0.0f)};
       job.t1 = {0, 0, bits_of(down)};
       std::string shown;
-      const steps s = steps_of(d, model, job, shown);
+      const steps s = steps_of(d, bih_contents(model), job, shown);
       CHECK(s.cost > 0);
       CHECK(s.text() == r.text);
       CHECK(shown == r.shown);

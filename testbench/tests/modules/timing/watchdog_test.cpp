@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "modules/config/error.h"
+#include "modules/svo_core/svo_kind.h"
 #include "modules/timing/clock_domain.h"
 #include "testbench/bench/simulation.h"
 #include "testbench/bench/stream.h"
@@ -102,7 +103,7 @@ TEST_CASE("watchdog: a replay allows no more than a simulation does", "[timing]"
     s.watchdog_cycles = watchdog;
     const std::string text = in_child([&] {
       cycle first = 0;
-      simulation sim(d, s, octree, jobs, pace::skipping);
+      simulation sim(d, s, svo_contents(octree), jobs, pace::skipping);
       sim.board().on_result([&](cycle c, const traversal_result&, std::uint64_t) {
         if (first == 0) first = c;
       });
@@ -115,7 +116,7 @@ TEST_CASE("watchdog: a replay allows no more than a simulation does", "[timing]"
   const auto replayed = [&](cycle watchdog) {
     s.watchdog_cycles = watchdog;
     try {
-      replay(d, s, svo_walker(d, octree), jobs, 1, {});
+      replay(d, s, svo_walker(d.of<svo_kind>(), octree), jobs, 1, {});
       return true;
     } catch (const input_error&) {
       return false;

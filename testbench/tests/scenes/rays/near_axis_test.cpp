@@ -11,6 +11,7 @@
 #include "modules/job_manager/job_manager.h"
 #include "modules/memory/memory.h"
 #include "modules/rtu/design.h"
+#include "modules/svo_core/svo_kind.h"
 #include "modules/svo_core/svo_walk.h"
 #include "scenes/meshes/mesh.h"
 #include "scenes/rays/camera.h"
@@ -90,10 +91,10 @@ struct agreement { std::size_t sure = 0, unsure = 0, differ = 0, hits = 0, exact
 
 agreement compare(const voxel_grid& grid, const svo_image& image, const camera::params& view, const raster& size, const design& d) {
   const std::vector<plain_ray> rays = rays_of(view, size);
-  const auto jobs = camera_jobs(view, size, slab_rules::of(d.driver, d.fixed_point), 0, 2);
-  const svo_walk walk(d.svo_core_params_with_format());
-  const word_view memory = view_of(image.words, d.memory_);
-  const numeric::float_to_fixed_converter converter(d.fixed_point, d.float_to_fixed);
+  const auto jobs = camera_jobs(view, size, slab_rules::of({}, d.of<svo_kind>().format), 0, 2);
+  const svo_walk walk(d.of<svo_kind>().core_with_format());
+  const word_view memory = view_of(image.words, d.of<svo_kind>().memory_);
+  const numeric::float_to_fixed_converter converter(d.of<svo_kind>().format, d.of<svo_kind>().conversion);
   numeric::float_to_fixed_stats stats;
   agreement a;
   for (std::size_t i = 0; i < rays.size(); ++i) {

@@ -12,7 +12,9 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "modules/bih_core/bih_kind.h"
 #include "modules/job_manager/ray_setup.h"
+#include "modules/svo_core/svo_kind.h"
 #include "modules/triangle_unit/triangle_intersector.h"
 #include "testbench/bench/simulation.h"
 #include "testbench/run/summary.h"
@@ -46,8 +48,7 @@ struct recorded_run {
 };
 
 /// A run with a waveform of all its cycles.
-template <class Model>
-recorded_run record(const design& d, const surroundings& s, const Model& model, const std::vector<job_packet>& jobs,
+recorded_run record(const design& d, const surroundings& s, const memory_contents& model, const std::vector<job_packet>& jobs,
                     const std::filesystem::path& waveform) {
   const std::string text = in_child([&] {
     waveform_window window;
@@ -228,16 +229,16 @@ TEST_CASE("figures: of voxel cores each is what the log and the waveform come to
     design d;
     d.rtu.cores = 1 + random() % 7;
     d.scheduler_.select = static_cast<scheduler_params::policy>(random() % 3);
-    d.svo_core = test::random_core(random);
-    d.fixed_point = d.svo_core.format;
-    d.float_to_fixed = {random() % 2 == 0, random() % 2 == 0, random() % 2 == 0};
+    d.of<svo_kind>().core = test::random_core(random);
+    d.of<svo_kind>().format = d.of<svo_kind>().core.format;
+    d.of<svo_kind>().conversion = {random() % 2 == 0, random() % 2 == 0, random() % 2 == 0};
     d.result_manager_.valid_withdrawn = random() % 2 == 0;
     const surroundings s = test::random_streams(random);
     const svo_image image = test::random_image(random);
     std::vector<job_packet> jobs;
     for (std::uint32_t id = 0, n = 1 + random() % 80; id < n; ++id) jobs.push_back(test::random_packet(random, id));
 
-    const recorded_run run = record(d, s, image.words, jobs, folder / "run.vcd");
+    const recorded_run run = record(d, s, svo_contents(image.words), jobs, folder / "run.vcd");
     if (run.log.empty()) continue;  // a stack that is too short ends the run
     ++runs;
     CAPTURE(runs, d.rtu.cores);
@@ -250,7 +251,7 @@ TEST_CASE("figures: of voxel cores each is what the log and the waveform come to
     for (const job_packet& job : jobs)
       for (const auto& words : {job.t0, job.t1})
         for (const std::uint32_t word : words)
-          conversion.add(word, d.fixed_point.integer_bits, d.fixed_point.fraction_bits, d.float_to_fixed.flush_small);
+          conversion.add(word, d.of<svo_kind>().format.integer_bits, d.of<svo_kind>().format.fraction_bits, d.of<svo_kind>().conversion.flush_small);
     counted["job_manager"] = {{"jobs", jobs.size()}, {"float_to_fixed", conversion.figures()}};
     lost[0] += conversion.overflows;
     lost[1] += conversion.nans;
@@ -289,25 +290,25 @@ TEST_CASE("figures: of triangle cores each is what the log and the waveform come
     design d = test::random_triangle_design(random);
     d.rtu.clock_mhz = 100;  // the parser's
     d.rtu.cores = 1 + random() % 4;
-    const quantisation& q = d.quantisation_;
+    const quantisation& q = d.of<bih_kind>().words;
     const surroundings s = test::random_streams(random);
     const bih_memory model = test::random_triangles(random, d);
     std::vector<job_packet> jobs;
     for (std::uint32_t id = 0, n = 1 + random() % 60; id < n; ++id) jobs.push_back(test::random_triangle_packet(random, id, d, model));
 
     CAPTURE(round, d.rtu.cores);
-    const recorded_run run = record(d, s, model, jobs, folder / "run.vcd");
+    const recorded_run run = record(d, s, bih_contents(model), jobs, folder / "run.vcd");
     REQUIRE(run.log.size() == jobs.size());
     const vcd w(folder / "run.vcd");
     const auto rays = passages_of(w, run.log, d.rtu.cores);
     // One register, 5 stages of the converter, a stage a bit of the wider divider, a product and a sum.
     const std::uint64_t conversion_cycles = 1 + 5 + std::max(q.m + q.reciprocal_bits + 1, q.n + q.m + 2) + 2;
-    const std::uint64_t behind_cost = 2 + triangle_unit::stages_of(d.triangle_unit_params_with_words());
+    const std::uint64_t behind_cost = 2 + triangle_unit::stages_of(d.of<bih_kind>().intersector_with_words());
     json counted = common_figures(w, run.log, rays, d.rtu.clock_mhz, conversion_cycles, behind_cost);
 
     // The rays as the cores have them, and what of them did not fit.
     const ray_setup set_up(q, model.corner);
-    const triangle_intersector intersect(q, d.triangle_unit_.errata);
+    const triangle_intersector intersect(q, d.of<bih_kind>().intersector.errata);
     std::vector<triangle_job> set(jobs.size());
     conversion_counts conversion;
     std::uint64_t missed = 0, clipped = 0, flat = 0;

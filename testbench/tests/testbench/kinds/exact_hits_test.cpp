@@ -6,15 +6,17 @@
 #include <utility>
 #include <vector>
 
+#include "modules/bih_core/bih_kind.h"
 #include "modules/bih_core/bih_walk.h"
 #include "modules/job_manager/ray_setup.h"
 #include "modules/rtu/design.h"
 #include "modules/triangle_unit/triangle_intersector.h"
 #include "scenes/meshes/mesh.h"
+#include "scenes/scene.h"
 #include "scenes/triangles/quantised_triangles.h"
+#include "testbench/kinds/bih_host.h"
 #include "testbench/kinds/driver.h"
 #include "testbench/kinds/triangle_model.h"
-#include "scenes/scene.h"
 
 /// What the cores find without their errata against Moeller and Trumbore's test in binary64, of the same triangles on the grid and
 /// the same rays, each ray against each triangle.
@@ -73,13 +75,13 @@ agreement compare(const std::string& name, std::size_t every) {
   const std::string file = folder + s.model.model;
 
   const design d;
-  const quantisation& q = d.quantisation_;
-  const triangle_model model = load_triangles(file, q, d.bih_builder.leaf_triangles, d.bih_core.address_bits, s.model.patch_quads);
+  const quantisation& q = d.of<bih_kind>().words;
+  const triangle_model model = load_triangles(file, q, bih_builder_params{}.leaf_triangles, d.of<bih_kind>().core.address_bits, s.model.patch_quads);
   const triangle_lanes exact(quantise(read_mesh(file, s.model.patch_quads), q, file).corners);
-  const auto jobs = triangle_jobs(s.view, {640, 480}, model.grid, d.driver.norm, true);
+  const auto jobs = triangle_jobs(s.view, {640, 480}, model.grid, triangle_driver_params{}.norm, true);
   const ray_setup setup(q, model.hierarchy.corner);
   const triangle_intersector intersect(q, {});
-  bih_walk walk(d.bih_core_params_with_widths(), model.hierarchy);
+  bih_walk walk(d.of<bih_kind>().core_with_widths(), model.hierarchy);
   const double one = std::ldexp(1.0, static_cast<int>(q.m) - 1);
   agreement a;
   for (std::size_t i = 0; i < jobs.size(); i += every) {

@@ -12,12 +12,15 @@
 
 #include <fmt/format.h>
 
+#include "modules/bih_core/bih_kind.h"
 #include "scenes/meshes/mesh.h"
+#include "scenes/scene.h"
 #include "scenes/triangles/bih_builder.h"
 #include "scenes/triangles/quantised_triangles.h"
 #include "testbench/bench/simulation.h"
+#include "testbench/kinds/bih_host.h"
+#include "testbench/kinds/driver.h"
 #include "testbench/kinds/triangle_model.h"
-#include "scenes/scene.h"
 #include "testbench/tests/in_child.h"
 #include "testbench/tests/random.h"
 
@@ -165,7 +168,7 @@ real entry(const line& l, const per_axis<std::int64_t>& corner, const quantisati
 std::vector<traversal_result> simulate(const design& d, const bih_memory& memory, const std::vector<job_packet>& jobs, pace p) {
   std::istringstream log(in_child([&] {
     const surroundings s;
-    simulation sim(d, s, memory, jobs, p);
+    simulation sim(d, s, bih_contents(memory), jobs, p);
     std::string text;
     sim.board().on_result([&](cycle, const traversal_result& r, std::uint64_t) {
       text += fmt::format("{} {} {} {} {} {}\n", r.job_word, static_cast<int>(r.hit), r.triangle, r.t_hit, r.u, r.v);
@@ -188,7 +191,7 @@ struct tally {
 /// Holds results against the exact test. `lost` counts rays that the hierarchy kept from a triangle that they surely meet.
 void compare(const design& d, const triangle_scene& s, const std::vector<job_packet>& jobs, const std::vector<traversal_result>& results,
              tally& sums) {
-  const quantisation& q = d.quantisation_;
+  const quantisation& q = d.of<bih_kind>().words;
   const real one = std::ldexp(real{1}, static_cast<int>(q.m) - 1);
   for (std::size_t j = 0; j < jobs.size(); ++j) {
     const traversal_result& got = results[j];
@@ -292,17 +295,17 @@ TEST_CASE("exact triangles: random rays find the nearest triangle ahead, its dis
   unsigned rays = 0, rays_through_nodes = 0;
   for (unsigned round = 0; round < 12; ++round) {
     design d;
-    d.rtu.core = rtu_params::core_kind::bih;
+    d.choose<bih_kind>();
     d.rtu.cores = 1 + random() % 4;
-    d.quantisation_ = widths[round % 4];
-    d.bih_core.early_out = round % 3 == 1;
+    d.of<bih_kind>().words = widths[round % 4];
+    d.of<bih_kind>().core.early_out = round % 3 == 1;
     // In one leaf no roundings of a hierarchy keep a ray from a triangle.
     const bool one_leaf = round % 2 == 0;
-    const auto all = random_corners(random, d.quantisation_, 3 + random() % 20);
-    const triangle_scene s = scene_of(all, d.quantisation_, one_leaf ? 64 : 2, d.bih_core.address_bits);
+    const auto all = random_corners(random, d.of<bih_kind>().words, 3 + random() % 20);
+    const triangle_scene s = scene_of(all, d.of<bih_kind>().words, one_leaf ? 64 : 2, d.of<bih_kind>().core.address_bits);
     std::vector<job_packet> jobs;
-    for (std::uint32_t id = 0; id < 500; ++id) jobs.push_back(random_ray(random, all, d.quantisation_, id));
-    CAPTURE(round, d.quantisation_.n, one_leaf);
+    for (std::uint32_t id = 0; id < 500; ++id) jobs.push_back(random_ray(random, all, d.of<bih_kind>().words, id));
+    CAPTURE(round, d.of<bih_kind>().words.n, one_leaf);
     compare(d, s, jobs, simulate(d, s.memory, jobs, static_cast<pace>(round % 3)), one_leaf ? sums : through_nodes);
     (one_leaf ? rays : rays_through_nodes) += 500;
   }
@@ -327,14 +330,14 @@ TEST_CASE("exact triangles: of the teapot's rays the distance is the exact one w
   parameters.read_toml(name, scene::home);
   const std::string file = folder + what.model.model;
   design d;
-  d.rtu.core = rtu_params::core_kind::bih;
-  const quantisation& q = d.quantisation_;
-  const triangle_model model = load_triangles(file, q, d.bih_builder.leaf_triangles, d.bih_core.address_bits, what.model.patch_quads);
-  triangle_scene s = scene_of(quantise(read_mesh(file, what.model.patch_quads), q, file).corners, q, d.bih_builder.leaf_triangles,
-                              d.bih_core.address_bits);
+  d.choose<bih_kind>();
+  const quantisation& q = d.of<bih_kind>().words;
+  const triangle_model model = load_triangles(file, q, bih_builder_params{}.leaf_triangles, d.of<bih_kind>().core.address_bits, what.model.patch_quads);
+  triangle_scene s = scene_of(quantise(read_mesh(file, what.model.patch_quads), q, file).corners, q, bih_builder_params{}.leaf_triangles,
+                              d.of<bih_kind>().core.address_bits);
   REQUIRE(s.triangles.size() == model.hierarchy.triangles.size());
   std::vector<job_packet> jobs;
-  const auto all = triangle_jobs(what.view, {64, 48}, model.grid, d.driver.norm, false);
+  const auto all = triangle_jobs(what.view, {64, 48}, model.grid, triangle_driver_params{}.norm, false);
   for (std::size_t i = 0; i < all.size(); i += 3) {
     jobs.push_back(all[i]);
     jobs.back().job_word = static_cast<std::uint32_t>(jobs.size() - 1);
@@ -350,11 +353,11 @@ TEST_CASE("exact triangles: of the teapot's rays the distance is the exact one w
 TEST_CASE("exact triangles: from between, in, before and behind three walls", "[system]") {
   // At z = 100, 200 and 300, each over the lower left half of a square of 400; a fourth makes the box 400 high.
   design d;
-  d.rtu.core = rtu_params::core_kind::bih;
-  d.quantisation_ = {10, 16, 4, 12, 0};
+  d.choose<bih_kind>();
+  d.of<bih_kind>().words = {10, 16, 4, 12, 0};
   const auto wall = [](std::int64_t z) { return corners{{{0, 0, z}, {400, 0, z}, {0, 400, z}}}; };
   const std::vector<corners> all{wall(100), wall(200), wall(300), {{{396, 400, 0}, {400, 396, 0}, {400, 400, 400}}}};
-  const triangle_scene s = scene_of(all, d.quantisation_, 4, d.bih_core.address_bits);
+  const triangle_scene s = scene_of(all, d.of<bih_kind>().words, 4, d.of<bih_kind>().core.address_bits);
   REQUIRE(s.memory.corner == per_axis<std::int64_t>{400, 400, 400});
   struct row {
     const char* name;

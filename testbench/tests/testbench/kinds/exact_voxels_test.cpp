@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "modules/svo_core/svo_kind.h"
 #include "testbench/bench/simulation.h"
 #include "testbench/replay/replay.h"
 #include "testbench/tests/in_child.h"
@@ -36,7 +37,7 @@ results simulate(const design& d, const test::model& m, const std::vector<job_pa
   std::istringstream lines(in_child([&] {
     const surroundings s;
     results all(jobs.size());
-    simulation sim(d, s, m.image.words, jobs, p);
+    simulation sim(d, s, svo_contents(m.image.words), jobs, p);
     sim.board().on_result([&](cycle, const traversal_result& r, std::uint64_t) { note(all, r); });
     sim.run();
     return fmt::format("{}\n", fmt::join(all, "\n"));
@@ -66,7 +67,7 @@ TEST_CASE("exact voxels: designs give the nearest cube ahead, its distance and t
     results wanted;
     while (jobs.size() < 200) {
       traversal_job job = test::random_slabs(random, 8 + random() % 10, m.n);
-      test::move(random, job, m, static_cast<test::start>(random() % test::near_the_greatest_word), d.fixed_point);
+      test::move(random, job, m, static_cast<test::start>(random() % test::near_the_greatest_word), d.of<svo_kind>().format);
       bool touches = false, exact = true;
       for (unsigned i = 0; i < 3; ++i) exact = exact && std::max(std::abs(job.t0[i]), std::abs(job.t1[i])) < 1 << 24;
       const auto hit = test::nearest(job, m, false, touches);

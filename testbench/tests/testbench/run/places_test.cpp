@@ -10,10 +10,11 @@
 
 #include "modules/formats/svo_image.h"
 #include "modules/job_manager/job_manager.h"
+#include "modules/svo_core/svo_kind.h"
 #include "modules/svo_core/svo_walk.h"
 #include "scenes/voxels/svo_builder.h"
-#include "testbench/run/job_file.h"
 #include "testbench/kinds/svo_model.h"
+#include "testbench/run/job_file.h"
 #include "testbench/run/run_setup.h"
 #include "testbench/tests/scratch.h"
 
@@ -24,10 +25,10 @@ const std::string source = RTUSIM_SOURCE_DIR;
 
 /// A frame of results as the cores give them, from the walk alone.
 frame traced(const run_setup& s, const svo_model& model, const std::vector<job_packet>& jobs) {
-  frame picture(s.what.picture, s.unit.fixed_point.fraction_bits);
-  const svo_walk walk(s.unit.svo_core_params_with_format());
-  const numeric::float_to_fixed_converter converter(s.unit.fixed_point, s.unit.float_to_fixed);
-  const word_view memory = view_of(model.octree(), s.unit.memory_);
+  frame picture(s.what.picture, s.unit.of<svo_kind>().format.fraction_bits);
+  const svo_walk walk(s.unit.of<svo_kind>().core_with_format());
+  const numeric::float_to_fixed_converter converter(s.unit.of<svo_kind>().format, s.unit.of<svo_kind>().conversion);
+  const word_view memory = view_of(model.octree(), s.unit.of<svo_kind>().memory_);
   for (std::uint32_t n = 0; n < jobs.size(); ++n) {
     numeric::float_to_fixed_stats ignored;
     traversal_job job;

@@ -8,6 +8,7 @@
 #include "modules/config/error.h"
 #include "modules/config/files.h"
 #include "modules/formats/svo_image.h"
+#include "modules/svo_core/svo_kind.h"
 #include "testbench/bench/simulation.h"
 #include "testbench/kinds/driver.h"
 #include "testbench/kinds/svo_walker.h"
@@ -25,9 +26,8 @@ const std::string golden = RTUSIM_SOURCE_DIR "/testbench/golden/svo/";
 design as_built(unsigned cores) {
   design d;
   d.rtu.cores = cores;
-  d.driver.last_sign_only = true;
-  d.float_to_fixed = {true, true, true};
-  d.svo_core = test::as_built();
+  d.of<svo_kind>().conversion = {true, true, true};
+  d.of<svo_kind>().core = test::as_built();
   d.result_manager_.valid_withdrawn = true;
   return d;
 }
@@ -61,7 +61,7 @@ outcome replay_of(const design& d, const surroundings& s, const svo_image& image
     outcome o{log_header, ""};
     const auto note = [&](cycle c, const traversal_result& r, std::uint64_t) { o.log += log_line(c, r); };
     const run_figures figures =
-        kept_walks ? replay(d, s, walk_rays(svo_walker(d, image.words), jobs, 2), note) : replay(d, s, svo_walker(d, image.words), jobs, 2, note);
+        kept_walks ? replay(d, s, walk_rays(svo_walker(d.of<svo_kind>(), image.words), jobs, 2), note) : replay(d, s, svo_walker(d.of<svo_kind>(), image.words), jobs, 2, note);
     config::report report;
     figures.describe(report);
     o.statistics = report.values().dump();
@@ -74,7 +74,7 @@ outcome replay_of(const design& d, const surroundings& s, const svo_image& image
 outcome simulate(const design& d, const surroundings& s, const svo_image& image, const std::vector<job_packet>& jobs, pace p,
                  std::uint32_t shuffle = 0, std::uint32_t change_pace = 0) {
   const std::string both = in_child([&] {
-    simulation sim(d, s, image.words, jobs, p);
+    simulation sim(d, s, svo_contents(image.words), jobs, p);
     sim.clock().shuffle_units(shuffle);
     std::string log = log_header;
     test::rng random(change_pace);
@@ -165,9 +165,9 @@ TEST_CASE("system: 500 random designs and streams are the same in every pace, wh
     design d;
     d.rtu.cores = random() % 4 == 0 ? 1 + random() % 64 : 1 + random() % 9;
     d.scheduler_.select = static_cast<scheduler_params::policy>(random() % 3);
-    d.svo_core = test::random_core(random);
-    d.fixed_point = d.svo_core.format;
-    d.float_to_fixed = {random() % 2 == 0, random() % 2 == 0, random() % 2 == 0};
+    d.of<svo_kind>().core = test::random_core(random);
+    d.of<svo_kind>().format = d.of<svo_kind>().core.format;
+    d.of<svo_kind>().conversion = {random() % 2 == 0, random() % 2 == 0, random() % 2 == 0};
     d.result_manager_.valid_withdrawn = random() % 2 == 0;
     surroundings s;
     s.watchdog_cycles = 20'000;

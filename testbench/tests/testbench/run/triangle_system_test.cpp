@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "modules/bih_core/bih_kind.h"
 #include "modules/bih_core/bih_walk.h"
 #include "modules/job_manager/ray_setup.h"
 #include "modules/triangle_unit/triangle_intersector.h"
@@ -31,7 +32,7 @@ std::string text_of(const traversal_result& r) {
 outcome simulate(const design& d, const surroundings& s, const bih_memory& model, const std::vector<job_packet>& jobs, pace p,
                  std::uint32_t shuffle = 0, std::uint32_t change_pace = 0) {
   const std::string both = in_child([&] {
-    simulation sim(d, s, model, jobs, p);
+    simulation sim(d, s, bih_contents(model), jobs, p);
     sim.clock().shuffle_units(shuffle);
     std::string log;
     test::rng random(change_pace);
@@ -51,9 +52,9 @@ outcome simulate(const design& d, const surroundings& s, const bih_memory& model
 
 /// What each ray finds by itself, all of its triangles tested to the end.
 std::set<std::string> alone(const design& d, const bih_memory& model, const std::vector<job_packet>& jobs) {
-  const ray_setup setup(d.quantisation_, model.corner);
-  const triangle_intersector intersect(d.quantisation_, d.triangle_unit_.errata);
-  bih_walk walk(d.bih_core_params_with_widths(), model);
+  const ray_setup setup(d.of<bih_kind>().words, model.corner);
+  const triangle_intersector intersect(d.of<bih_kind>().words, d.of<bih_kind>().intersector.errata);
+  bih_walk walk(d.of<bih_kind>().core_with_widths(), model);
   std::set<std::string> results;
   for (const job_packet& packet : jobs) {
     ray_setup_stats stats;
@@ -111,7 +112,7 @@ TEST_CASE("system: 100 random designs of triangle cores are the same in every pa
     std::vector<job_packet> jobs;
     for (std::uint32_t id = 0, n = 1 + random() % 150; id < n; ++id) jobs.push_back(test::random_triangle_packet(random, id, d, model));
 
-    CAPTURE(round, d.rtu.cores, d.quantisation_.n, d.quantisation_.m, model.triangles.size(), d.bih_core.rays_in_flight);
+    CAPTURE(round, d.rtu.cores, d.of<bih_kind>().words.n, d.of<bih_kind>().words.m, model.triangles.size(), d.of<bih_kind>().core.rays_in_flight);
     const outcome skipping = simulate(d, s, model, jobs, pace::skipping);
     REQUIRE_FALSE(skipping.statistics.empty());
     for (const pace p : {pace::stepped, pace::checked}) {
@@ -127,8 +128,8 @@ TEST_CASE("system: 100 random designs of triangle cores are the same in every pa
     REQUIRE(skipping.log == changing.log);
     REQUIRE(skipping.statistics == changing.statistics);
     // A ray may wait for the division of the one before; what lies behind a hit need not be seen.
-    const bool waits = d.t_div_.kind == numeric::divider_kind::iterative;
-    const int same = d.bih_core.early_out ? 2 : waits ? 6 : 7;
+    const bool waits = d.of<bih_kind>().divider.kind == numeric::divider_kind::iterative;
+    const int same = d.of<bih_kind>().core.early_out ? 2 : waits ? 6 : 7;
     REQUIRE(cut(results_of(skipping.log), same) == cut(alone(d, model, jobs), same));
     whole += same == 7;
     const auto figures = nlohmann::json::parse(skipping.statistics);

@@ -1,20 +1,15 @@
-#include "testbench/units/unit_bench.h"
+#include "testbench/units/svo_bench.h"
 
-#include <algorithm>
 #include <cstdio>
-#include <iterator>
 #include <limits>
 #include <string>
 #include <vector>
 
 #include "modules/config/csv.h"
 #include "modules/config/error.h"
-#include "modules/config/files.h"
 #include "modules/float_to_fixed/float_to_fixed.h"
 #include "modules/formats/svo_image.h"
-#include "modules/svo_core/svo_core.h"
-#include "testbench/units/bih_bench.h"
-#include "testbench/units/triangle_bench.h"
+#include "modules/svo_core/svo_kind.h"
 #include "testbench/units/unit_harness.h"
 
 namespace rtusim {
@@ -27,9 +22,10 @@ constexpr std::int64_t greatest_uint32 = std::numeric_limits<std::uint32_t>::max
 }  // namespace
 
 void bench_svo_core(const design& d, const unit_files& files) {
-  const svo_image image = read_svo(files.model, {d.memory_.address_bits, most_stack_frames});
+  const svo_kind& kind = d.of<svo_kind>();
+  const svo_image image = read_svo(files.model, {kind.memory_.address_bits, most_stack_frames});
   const csv_table table(files.jobs);
-  const svo_core_params params = d.svo_core_params_with_format();
+  const svo_core_params params = kind.core_with_format();
   const auto columns = [&](std::initializer_list<const char*> names) {
     std::vector<std::size_t> at;
     for (const char* name : names) at.push_back(table.column(name));
@@ -60,7 +56,7 @@ void bench_svo_core(const design& d, const unit_files& files) {
   std::vector<std::vector<std::int64_t>> results;
   if (!jobs.empty()) {
     bench<traversal_job, traversal_result> b(jobs);
-    memory words("memory", d.memory_, image.words);
+    memory words("memory", kind.memory_, image.words);
     svo_core core("svo_core", params, 0);
     core.job_in(b.in);
     core.result_out(b.out);
@@ -90,7 +86,7 @@ void bench_float_to_fixed(const design& d, const unit_files& files) {
   std::vector<std::vector<std::int64_t>> results;
   if (!words.empty()) {
     bench<std::uint32_t, std::int64_t> b(words);
-    float_to_fixed converter("float_to_fixed", {d.fixed_point, d.float_to_fixed});
+    float_to_fixed converter("float_to_fixed", {d.of<svo_kind>().format, d.of<svo_kind>().conversion});
     converter.in(b.in);
     converter.out(b.out);
     b.clock.start();
@@ -102,44 +98,6 @@ void bench_float_to_fixed(const design& d, const unit_files& files) {
       fmt::print(stderr, "rtusim: warning: {} words lie beyond the fixed-point range, {} are no number\n", s.overflows, s.nans);
   }
   write_csv(files.out, table, {"id", "float_bits", "fixed_raw"}, {"fixed_raw"}, results);
-}
-
-void bench_unit(const unit_request& asked) {
-  design d;
-  config::schema parameters;
-  d.describe(parameters);
-  if (!asked.architecture.empty()) parameters.read_toml(asked.architecture, design::home);
-  for (const std::string& a : asked.assignments) parameters.set(a);
-  d.benched = asked.name;
-  parameters.check_read();
-  if (d.has_triangles() && d.quantisation_.fit_edges)
-    throw input_error("quantisation.edge_shift", "auto, but a unit that is alone has no mesh", "a number");
-  std::vector<std::filesystem::path> inputs{asked.files.jobs, asked.files.model, asked.architecture};
-  std::error_code no_folder;
-  for (std::filesystem::directory_iterator i(asked.files.memory, no_folder), end; !no_folder && i != end; i.increment(no_folder))
-    inputs.push_back(i->path());
-  config::check_writable_apart({asked.files.out}, inputs);
-  struct entry {
-    const char* name;
-    void (*bench)(const design&, const unit_files&);
-    bool reads_model;
-    bool reads_memory;
-  };
-  const entry units[] = {{"svo_core", &bench_svo_core, true, false},
-                         {"float_to_fixed", &bench_float_to_fixed, false, false},
-                         {"t_div", &bench_t_div, false, false},
-                         {"triangle_unit", &bench_triangle_unit, false, false},
-                         {"bih_core", &bench_bih_core, false, true}};
-  const auto found = std::find_if(std::begin(units), std::end(units), [&](const entry& u) { return asked.name == u.name; });
-  if (found == std::end(units))
-    throw input_error("unit", "unknown unit \"" + asked.name + '"', "svo_core, float_to_fixed, t_div, triangle_unit or bih_core");
-  const bool model = !asked.files.model.empty();
-  const bool memory_folder = !asked.files.memory.empty();
-  if (!found->reads_memory && memory_folder) throw input_error("unit " + asked.name, "--memory", "bih_core, whose memory it is");
-  if (found->reads_model && !model) throw input_error("unit " + asked.name, "no --model", "the octree in its memory");
-  if (!found->reads_model && model) throw input_error("unit " + asked.name, "--model", "no octree: it has no model memory");
-  if (found->reads_memory && !memory_folder) throw input_error("unit " + asked.name, "no --memory", "the folder of its memories");
-  found->bench(d, asked.files);
 }
 
 }  // namespace rtusim

@@ -1,0 +1,78 @@
+#include "modules/bih_core/bih_kind.h"
+
+#include <string>
+#include <vector>
+
+#include "modules/bih_core/bih_core.h"
+#include "modules/job_manager/triangle_job_manager.h"
+#include "modules/triangle_unit/triangle_pipeline.h"
+
+namespace rtusim {
+namespace {
+
+constexpr const char* when_chosen = "rtu.core = bih";
+
+class bih_bank final : public typed_bank<triangle_job, triangle_job_manager, bih_core> {
+ public:
+  bih_bank(const bih_kind& kind, const bank_params& p, const bih_memory& hierarchy)
+      : typed_bank(kind.word(), {kind.words, hierarchy.corner}, p,
+                   [params = kind.core_with_widths(), &hierarchy](const char* n, std::size_t i) {
+                     return new bih_core(n, params, hierarchy, static_cast<unsigned>(i));
+                   }),
+        job_latency_cycles_(triangle_job_manager::stages_of({kind.words, hierarchy.corner})) {
+    for (unsigned i = 0; i < p.cores; ++i) {
+      pipelines_.push_back(std::make_unique<triangle_pipeline>(("triangle_pipeline_" + std::to_string(i)).c_str(), kind.intersector_with_words(),
+                                                               hierarchy.triangles));
+      cores()[i].intersector_port(*pipelines_.back());
+    }
+  }
+
+  unsigned job_latency_cycles() const override { return job_latency_cycles_; }
+  unsigned core_latency_cycles() const override { return pipelines_.front()->latency_cycles() + 1; }
+
+ private:
+  unsigned job_latency_cycles_;
+  std::vector<std::unique_ptr<triangle_pipeline>> pipelines_;
+};
+
+}  // namespace
+
+bih_core_params bih_kind::core_with_widths() const {
+  bih_core_params p = core;
+  p.widths = words;
+  return p;
+}
+
+triangle_unit_params bih_kind::intersector_with_words() const {
+  triangle_unit_params p = intersector;
+  p.words = words;
+  p.divider = divider.kind;
+  return p;
+}
+
+void bih_kind::describe_formats(config::schema& s, const readers& r) {
+  s.add("quantisation", words, r.home);
+  s.read_when({"quantisation"}, r.is_chosen, when_chosen);
+}
+
+void bih_kind::describe_units(config::schema& s, const readers& r) {
+  s.add("bih_core", core, r.home);
+  s.add("t_div", divider, r.home);
+  s.add("triangle_unit", intersector, r.home);
+  s.read_when({"bih_core", "t_div", "triangle_unit"}, r.is_chosen, when_chosen);
+  s.read_when({"t_div.width"}, [&alone = r.alone] { return alone == "t_div"; }, "the unit t_div is alone");
+}
+
+packet_widths bih_kind::packets() const { return {words.n + 3, words.m, words.n, words.m, words.m + words.reciprocal_bits}; }
+
+std::unique_ptr<bank_figures> bih_kind::no_figures() const {
+  auto figures = std::make_unique<figures_of<triangle_job_manager::stats, bih_core::stats>>(name);
+  figures->cores.resize(1);
+  return figures;
+}
+
+std::unique_ptr<core_bank> bih_kind::build(const bank_params& p, const memory_contents& contents) const {
+  return std::make_unique<bih_bank>(*this, p, dynamic_cast<const bih_contents&>(contents).hierarchy());
+}
+
+}  // namespace rtusim

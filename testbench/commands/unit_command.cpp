@@ -1,0 +1,72 @@
+#include "testbench/commands/unit_command.h"
+
+#include <algorithm>
+#include <system_error>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "modules/config/error.h"
+#include "modules/config/files.h"
+#include "modules/config/schema.h"
+#include "testbench/kinds/host_kind.h"
+
+namespace rtusim {
+namespace {
+
+/// `a, b or c`
+std::string alternatives(const std::vector<std::string>& words) {
+  if (words.size() < 2) return fmt::format("{}", fmt::join(words, ""));
+  return fmt::format("{} or {}", fmt::join(words.begin(), words.end() - 1, ", "), words.back());
+}
+
+std::vector<std::string> names_with(bool lone_unit::*what) {
+  std::vector<std::string> names;
+  for (const auto& kind : host_kinds().all())
+    for (const lone_unit& u : kind->units())
+      if (what == nullptr || u.*what) names.emplace_back(u.name);
+  return names;
+}
+
+}  // namespace
+
+std::vector<std::string> lone_unit_names() { return names_with(nullptr); }
+
+void bench_unit(const unit_request& asked) {
+  design d;
+  host_kinds hosts;
+  config::schema parameters;
+  d.describe(parameters);
+  hosts.describe(parameters, d);
+  if (!asked.architecture.empty()) parameters.read_toml(asked.architecture, design::home);
+  for (const std::string& a : asked.assignments) parameters.set(a);
+  const lone_unit* unit = nullptr;
+  std::vector<lone_unit> units;
+  for (const auto& kind : hosts.all()) {
+    units = kind->units();
+    const auto found = std::find_if(units.begin(), units.end(), [&](const lone_unit& u) { return asked.name == u.name; });
+    if (found == units.end()) continue;
+    unit = &*found;
+    d.choose(kind->word());
+    break;
+  }
+  d.benched = asked.name;
+  parameters.check_read();
+  std::vector<std::filesystem::path> inputs{asked.files.jobs, asked.files.model, asked.architecture};
+  std::error_code no_folder;
+  for (std::filesystem::directory_iterator i(asked.files.memory, no_folder), end; !no_folder && i != end; i.increment(no_folder))
+    inputs.push_back(i->path());
+  config::check_writable_apart({asked.files.out}, inputs);
+  if (unit == nullptr) throw input_error("unit", "unknown unit \"" + asked.name + '"', alternatives(lone_unit_names()));
+  const bool model = !asked.files.model.empty();
+  const bool memory_folder = !asked.files.memory.empty();
+  const std::string place = "unit " + asked.name;
+  if (!unit->reads_memory && memory_folder)
+    throw input_error(place, "--memory", alternatives(names_with(&lone_unit::reads_memory)) + ", whose memory it is");
+  if (unit->reads_model && !model) throw input_error(place, "no --model", "the octree in its memory");
+  if (!unit->reads_model && model) throw input_error(place, "--model", "no octree: it has no model memory");
+  if (unit->reads_memory && !memory_folder) throw input_error(place, "no --memory", "the folder of its memories");
+  unit->bench(d, asked.files);
+}
+
+}  // namespace rtusim
