@@ -22,7 +22,8 @@ std::string alternatives(const std::vector<std::string>& words) {
 
 std::vector<std::string> names_with(bool lone_unit::*what) {
   std::vector<std::string> names;
-  for (const auto& kind : host_kinds().all())
+  const host_kinds hosts;
+  for (const auto& kind : hosts.all())
     for (const lone_unit& u : kind->units())
       if (what == nullptr || u.*what) names.emplace_back(u.name);
   return names;
