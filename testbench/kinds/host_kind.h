@@ -26,6 +26,8 @@ class host_kind {
   /// Adds the host's parameters for it, which are read while its cores are chosen. The object must then stay where it is.
   virtual void describe(config::schema& s, const std::function<bool()>& is_chosen) = 0;
 
+  /// Whether a scene must have a model.
+  virtual bool needs_model() const { return true; }
   /// Loads a scene's model for a design's cores. Errors: input_error for a model that can't be used, or that the design can't hold.
   virtual std::unique_ptr<loaded_model> load(const design& d, const scene& what) const = 0;
 

@@ -25,7 +25,7 @@ std::vector<config::input_file> inputs_of(const scene::model_params& m) {
   const std::string ending = config::unzipped_ending_of(m.model);
   if (ending == ".gltf" || ending == ".glb")
     read_mesh(m.model, m.patch_quads);  // and its buffers
-  else
+  else if (!m.model.empty())
     config::read_file(m.model);
   if (!m.rays.empty()) config::read_file(m.rays);
   return ledger.files();
