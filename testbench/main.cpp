@@ -33,6 +33,7 @@
 #include "testbench/commands/run_command.h"
 #include "testbench/commands/sweep_command.h"
 #include "testbench/commands/unit_command.h"
+#include "testbench/pictures/pictures.h"
 
 namespace {
 
@@ -144,8 +145,9 @@ void add_run(CLI::App& app, run_options& o) {
   app.add_option("--save-jobs", o.save_jobs, "keep the job packets")->type_name("FILE");
   add_pace(app, o.how);
   app.add_option("--image", o.images,
-                 "a picture: OUT.sheet.png has all maps with legends; OUT.png is shaded; OUT.KIND.png with KIND lit, depth, normal, cost, "
-                 "heat, latency, wait, core or model; OUT.exr has all as float layers; may be repeated")
+                 fmt::format("a picture: OUT.sheet.png has all maps with legends; OUT.png is shaded; OUT.KIND.png with KIND {}; OUT.exr has all as "
+                             "float layers; may be repeated",
+                             picture_words()))
       ->type_name("FILE")
       ->allow_extra_args(false);
   app.add_option("--stats", o.statistics, "all figures, JSON")->type_name("FILE");
@@ -229,7 +231,7 @@ int command_line(int argc, char** argv) {
 
   unit_request unit_asked;
   auto* const unit_app = app.add_subcommand("unit", "one unit alone on raw words");
-  unit_app->add_option("NAME", unit_asked.name, "svo_core, float_to_fixed, t_div, triangle_unit or bih_core")->required()->type_name("");
+  unit_app->add_option("NAME", unit_asked.name, lone_unit_words())->required()->type_name("");
   unit_app->add_option("--jobs", unit_asked.files.jobs, "input columns, CSV")->required()->type_name("FILE");
   unit_app->add_option("--out", unit_asked.files.out, "the same columns with the outputs, CSV")->required()->type_name("FILE");
   unit_app->add_option("--model", unit_asked.files.model, "svo_core: the octree in its memory")->type_name("FILE");

@@ -246,8 +246,19 @@ class buffer_store {
   std::uint64_t left_ = most_buffer_bytes;
 };
 
-struct component { std::uint64_t code; std::size_t bytes; double greatest; };  // the greatest value, which is 1 if normalised
-constexpr component components[] = {{5120, 1, 127}, {5121, 1, 255}, {5122, 2, 32767}, {5123, 2, 65535}, {5125, 4, 4294967295.0}, {5126, 4, 1}};
+struct component {
+  std::uint64_t code;
+  std::size_t bytes;
+  double greatest;  // the value that is 1 if normalised
+  double (*value)(std::string_view bytes, std::size_t at);
+};
+template <class Number>
+constexpr component component_as(std::uint64_t code, double greatest) {
+  return {code, sizeof(Number), greatest, [](std::string_view bytes, std::size_t at) { return static_cast<double>(binary_value<Number>(bytes, at, false)); }};
+}
+constexpr component components[] = {component_as<std::int8_t>(5120, 127),    component_as<std::uint8_t>(5121, 255),
+                                    component_as<std::int16_t>(5122, 32767), component_as<std::uint16_t>(5123, 65535),
+                                    component_as<std::uint32_t>(5125, 4294967295.0), component_as<float>(5126, 1)};
 constexpr std::uint64_t component_float = 5126;
 
 const component& component_of(const object& o) {
@@ -255,17 +266,6 @@ const component& component_of(const object& o) {
   for (const component& c : components)
     if (c.code == code) return c;
   throw input_error(o.place("componentType"), std::to_string(code), "5120, 5121, 5122, 5123, 5125 or 5126");
-}
-
-double component_value(std::string_view bytes, std::size_t at, const component& c) {
-  switch (c.code) {
-    case 5120: return binary_value<std::int8_t>(bytes, at, false);
-    case 5121: return binary_value<std::uint8_t>(bytes, at, false);
-    case 5122: return binary_value<std::int16_t>(bytes, at, false);
-    case 5123: return binary_value<std::uint16_t>(bytes, at, false);
-    case 5125: return binary_value<std::uint32_t>(bytes, at, false);
-    default: return double{binary_value<float>(bytes, at, false)};
-  }
 }
 
 // The elements of an accessor, read when they are asked for.
@@ -298,7 +298,7 @@ class accessor {
       }
     }
     if (from.empty()) return 0;
-    const double v = component_value(from, at + axis * component_.bytes, component_);
+    const double v = component_.value(from, at + axis * component_.bytes);
     return normalised_ ? std::max(v / component_.greatest, -1.0) : v;
   }
 
@@ -324,7 +324,7 @@ class accessor {
     const auto [bytes, stride] = elements(indices, count, c.bytes);
     values_ = elements(sparse.child("values"), count, size_).first;
     for (std::uint64_t n = 0; n < count; ++n) {
-      const auto element = static_cast<std::uint64_t>(component_value(bytes, static_cast<std::size_t>(n) * stride, c));
+      const auto element = static_cast<std::uint64_t>(c.value(bytes, static_cast<std::size_t>(n) * stride));
       if (element >= count_ || (!replaced_.empty() && element <= replaced_.back().first))
         throw input_error(indices.place(), fmt::format("element {}", element), fmt::format("rising ones below {}", count_));
       replaced_.emplace_back(element, static_cast<std::size_t>(n));

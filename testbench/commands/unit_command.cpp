@@ -31,7 +31,7 @@ std::vector<std::string> names_with(bool lone_unit::*what) {
 
 }  // namespace
 
-std::vector<std::string> lone_unit_names() { return names_with(nullptr); }
+std::string lone_unit_words() { return alternatives(names_with(nullptr)); }
 
 void bench_unit(const unit_request& asked) {
   design d;
@@ -58,7 +58,7 @@ void bench_unit(const unit_request& asked) {
   for (std::filesystem::directory_iterator i(asked.files.memory, no_folder), end; !no_folder && i != end; i.increment(no_folder))
     inputs.push_back(i->path());
   config::check_writable_apart({asked.files.out}, inputs);
-  if (unit == nullptr) throw input_error("unit", "unknown unit \"" + asked.name + '"', alternatives(lone_unit_names()));
+  if (unit == nullptr) throw input_error("unit", "unknown unit \"" + asked.name + '"', lone_unit_words());
   const bool model = !asked.files.model.empty();
   const bool memory_folder = !asked.files.memory.empty();
   const std::string place = "unit " + asked.name;

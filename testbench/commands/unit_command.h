@@ -16,8 +16,8 @@ struct unit_request {
   std::vector<std::string> assignments;
 };
 
-/// The names of the units that can be run alone.
-std::vector<std::string> lone_unit_names();
+/// The names of the units that can be run alone: `a, b or c`.
+std::string lone_unit_words();
 
 /// Reads the design and benches the named unit. Errors: input_error for an unknown name or files that don't fit it.
 void bench_unit(const unit_request& asked);

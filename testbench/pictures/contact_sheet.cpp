@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -21,9 +22,8 @@ namespace {
 
 namespace algo = OIIO::ImageBufAlgo;
 
-constexpr std::array<picture_kind, 9> shown{picture_kind::lit,  picture_kind::normal,  picture_kind::depth,
-                                            picture_kind::heat, picture_kind::latency, picture_kind::wait,
-                                            picture_kind::cost, picture_kind::core,    picture_kind::model};
+constexpr picture_kind shown[] = {picture_kind::lit,     picture_kind::normal, picture_kind::depth, picture_kind::heat, picture_kind::latency,
+                                  picture_kind::wait,    picture_kind::cost,   picture_kind::core,  picture_kind::model};
 constexpr int columns = 3;
 constexpr int panel_width = 480;
 constexpr int least_panel_height = 120, most_panel_height = 480;
@@ -56,7 +56,7 @@ class sheet {
   sheet(const frame& f, const picture_text& text) : frame_(f) {
     const double tall = static_cast<double>(panel_width) * f.height() / f.width();
     panel_height_ = std::clamp(static_cast<int>(std::lround(tall)), least_panel_height, most_panel_height);
-    const int rows = static_cast<int>(shown.size()) / columns;
+    constexpr int panels = static_cast<int>(std::size(shown)), rows = (panels + columns - 1) / columns;
     width_ = 2 * margin + columns * panel_width + (columns - 1) * gap;
     canvas_.reset(
         OIIO::ImageSpec(width_, header_height + rows * (above_panel + panel_height_ + most_legend_height), 3, OIIO::TypeDesc::UINT8));
@@ -64,10 +64,10 @@ class sheet {
     write(margin, 48, text.title.empty() ? "rtusim" : text.title, headline, width_ - 2 * margin);
     write(margin, 76, text.details, subline, width_ - 2 * margin);
     int y = header_height;
-    for (int row = 0; row < rows; ++row) {
+    for (int first = 0; first < panels; first += columns) {
       int end = y;
-      for (int column = 0; column < columns; ++column)
-        end = std::max(end, panel(margin + column * (panel_width + gap), y, shown[static_cast<std::size_t>(row * columns + column)]));
+      for (int i = first; i < std::min(first + columns, panels); ++i)
+        end = std::max(end, panel(margin + (i - first) * (panel_width + gap), y, shown[i]));
       y = end + gap;
     }
     height_ = y;

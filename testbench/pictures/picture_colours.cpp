@@ -65,11 +65,9 @@ colour of_hash(std::uint64_t number) {
   number = (number ^ number >> 33) * 0xc4ceb9fe1a85ec53u;
   number ^= number >> 33;
   const colour& c = okabe_ito[number % okabe_ito.size()];
-  switch (number >> 8 & 3) {
-    case 0: return mix(c, grey(0), 0.3);
-    case 1: return mix(c, grey(1), 0.45);
-    default: return c;
-  }
+  const auto shade = number >> 8 & 3;  // half of all as they are
+  if (shade == 0) return mix(c, grey(0), 0.3);
+  return shade == 1 ? mix(c, grey(1), 0.45) : c;
 }
 
 }  // namespace rtusim

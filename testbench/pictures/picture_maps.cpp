@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "modules/config/error.h"
 #include "testbench/pictures/grouped.h"
 
 namespace rtusim {
@@ -256,8 +257,11 @@ picture_map base_map(const frame& f, picture_kind kind) {
                         [&f](const frame::pixel& p) { return f.wait_cycles(p); });
     case picture_kind::core: return core_map(f);
     case picture_kind::model: return model_map(f);
-    default: return shaded_map(f);
+    case picture_kind::shaded: return shaded_map(f);
+    case picture_kind::sheet:
+    case picture_kind::layers: break;
   }
+  throw simulation_error("a picture of several maps is no map");
 }
 
 }  // namespace

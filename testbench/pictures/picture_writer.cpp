@@ -107,6 +107,15 @@ extern "C" void rtusim_write_picture(const rtusim::picture_target& target, const
   switch (kind) {
     case picture_kind::layers: return write_exr(target, picture);
     case picture_kind::sheet: return write_sheet(target, picture, text);
-    default: return write_png(target, picture, kind);
+    case picture_kind::shaded:
+    case picture_kind::lit:
+    case picture_kind::depth:
+    case picture_kind::normal:
+    case picture_kind::cost:
+    case picture_kind::heat:
+    case picture_kind::latency:
+    case picture_kind::wait:
+    case picture_kind::core:
+    case picture_kind::model: return write_png(target, picture, kind);
   }
 }

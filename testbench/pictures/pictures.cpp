@@ -3,10 +3,13 @@
 #include <algorithm>
 #include <cctype>
 #include <future>
+#include <iterator>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "modules/config/error.h"
 #include "modules/config/files.h"
@@ -17,13 +20,27 @@
 namespace rtusim {
 namespace {
 
-constexpr const char* known_names =
-    "NAME.png (shaded), NAME.lit.png, NAME.depth.png, NAME.normal.png, NAME.cost.png, NAME.heat.png, NAME.latency.png, NAME.wait.png, "
-    "NAME.core.png, NAME.model.png, NAME.sheet.png (all of them) or NAME.exr (all layers)";
-constexpr std::pair<std::string_view, picture_kind> words[] = {
-    {"", picture_kind::shaded},    {".lit", picture_kind::lit},     {".depth", picture_kind::depth}, {".normal", picture_kind::normal},
-    {".cost", picture_kind::cost}, {".heat", picture_kind::heat},   {".wait", picture_kind::wait},   {".latency", picture_kind::latency},
-    {".core", picture_kind::core}, {".model", picture_kind::model}, {".sheet", picture_kind::sheet}};
+struct picture_word {
+  std::string_view word;   // of NAME.WORD.png
+  picture_kind kind;
+  bool shows_places = false;
+};
+constexpr picture_word words[] = {
+    {"", picture_kind::shaded},      {"lit", picture_kind::lit, true}, {"depth", picture_kind::depth}, {"normal", picture_kind::normal},
+    {"cost", picture_kind::cost},    {"heat", picture_kind::heat},     {"latency", picture_kind::latency}, {"wait", picture_kind::wait},
+    {"core", picture_kind::core},    {"model", picture_kind::model, true}, {"sheet", picture_kind::sheet, true}};
+
+/// `NAME.png (shaded), NAME.lit.png, ...`
+std::string known_names() {
+  std::string text;
+  for (const picture_word& w : words) {
+    if (w.word.empty())
+      text += "NAME.png (shaded)";
+    else
+      text += fmt::format(", NAME.{}.png{}", w.word, w.kind == picture_kind::sheet ? " (all of them)" : "");
+  }
+  return text + " or NAME.exr (all layers)";
+}
 
 using picture_writer = decltype(&rtusim_write_picture);
 
@@ -45,12 +62,12 @@ std::shared_future<picture_writer>& writer(std::launch how) {
 picture_kind kind_of(const std::filesystem::path& file) {
   const std::string ending = lower_case(file.extension().string());
   if (ending == ".exr") return picture_kind::layers;
-  if (ending != ".png") throw input_error(file.string(), "no picture format that we write", known_names);
+  if (ending != ".png") throw input_error(file.string(), "no picture format that we write", known_names());
   const std::string word = lower_case(file.stem().extension().string());
   std::vector<std::string> kinds;
-  for (const auto& [known, kind] : words) {
-    if (word == known) return kind;
-    kinds.emplace_back(known);
+  for (const picture_word& w : words) {
+    kinds.push_back(w.word.empty() ? "" : "." + std::string(w.word));
+    if (word == kinds.back()) return w.kind;
   }
   const std::string near = config::nearest(word, kinds);
   if (near.empty()) return picture_kind::shaded;
@@ -59,7 +76,15 @@ picture_kind kind_of(const std::filesystem::path& file) {
 }
 
 bool shows_places(picture_kind kind) {
-  return kind == picture_kind::lit || kind == picture_kind::model || kind == picture_kind::sheet || kind == picture_kind::layers;
+  const auto found = std::find_if(std::begin(words), std::end(words), [kind](const picture_word& w) { return w.kind == kind; });
+  return found == std::end(words) || found->shows_places;  // all layers have them, too
+}
+
+std::string picture_words() {
+  std::vector<std::string_view> all;
+  for (const picture_word& w : words)
+    if (!w.word.empty() && w.kind != picture_kind::sheet) all.push_back(w.word);
+  return fmt::format("{} or {}", fmt::join(all.begin(), all.end() - 1, ", "), all.back());
 }
 
 picture_preparation::picture_preparation(bool wanted) : wanted_(wanted) {

@@ -29,6 +29,9 @@ enum class picture_kind : std::uint8_t {
 /// Errors: input_error for an ending other than .png and .exr, and for a WORD that is nearly a kind.
 picture_kind kind_of(const std::filesystem::path& file);
 
+/// The words of NAME.WORD.png, each a map: `lit, depth or model`.
+std::string picture_words();
+
 /// Whether the kind shows more with `frame::places`.
 bool shows_places(picture_kind kind);
 
