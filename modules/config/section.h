@@ -75,9 +75,9 @@ struct parameter {
 /// The list into which a `params` struct describes its fields: each one's key, unit, range and meaning.
 ///
 ///     struct params {
-///       policy select = policy::cyclic_first_available;
+///       order leave = order::as_finished;
 ///       void describe(config::section& s) {
-///         s.choice("policy", select, policy_words, "how a job finds its core");
+///         s.choice("order", leave, order_words(), "how results leave");
 ///       }
 ///     };
 ///
@@ -104,6 +104,7 @@ class section {
                     std::string_view meaning) {
     return add(field, unit, meaning, vector_slot{&at, limits});
   }
+  /// One of `words`: an enumeration, or an index.
   template <class Enum>
   parameter& choice(std::string_view field, Enum& at, word_list words, std::string_view meaning) {
     return add(field, "", meaning,

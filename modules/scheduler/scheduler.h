@@ -1,36 +1,29 @@
 #pragma once
 
 #include <cstdint>
-#include <vector>
 
-#include "modules/config/report.h"
 #include "modules/config/section.h"
 #include "modules/formats/packets.h"
+#include "modules/scheduler/policies/policies.h"
 #include "modules/timing/channel.h"
 #include "modules/timing/junction.h"
-#include "modules/timing/rotating_select.h"
 
 namespace rtusim {
 
 struct scheduler_params {
-  enum class policy : std::uint8_t { cyclic_first_available, round_robin, first_available };
-  static config::word_list policy_words() { return {"cyclic_first_available", "round_robin", "first_available"}; }
+  unsigned select = policy_index<cyclic_first_available>;  ///< which of `scheduler_policies`
 
-  policy select = policy::cyclic_first_available;
   void describe(config::section& s);
 };
 
 /// Hands the job that is offered to one of N cores, within the clock (Espe 2019, sec. 2.2.5, 6.2.2 and app. C.3).
 ///
-/// Timing: combinational both ways; the only register is the select. Policies:
-/// - cyclic first available: the select turns by one every clock; the job goes where it points if that core is ready.
-/// - round robin: the select points at the next core in line and moves on when that core takes a job.
-/// - first available: no select; of the cores that are ready, the one with the lowest index.
+/// Timing: combinational both ways; the only registers are the policy's. A policy (`policies/policies.h`) decides which core a job is
+/// shown to, and so when the scheduler is ready. A new one is a class in a file of `policies/`, a line of the list there, and a test.
 template <class Job>
 class scheduler final : public junction {
  public:
   using params = scheduler_params;
-  using policy = params::policy;
 
   rv_in<Job> job_in{"job_in"};
   sc_core::sc_vector<rv_out<Job>> core_out;
@@ -51,14 +44,8 @@ class scheduler final : public junction {
   void input_valid(cycle from, cycle to) override;
   channel_base& pass(cycle c) override;
   unsigned selected(cycle c) const;
-  offer ready_offer() const;
 
-  policy policy_;                            // with one core the select has nowhere to turn to: as round robin
-  rotating_select idle_cores_;               // the select register of the cyclic policy, and which cores are ready
-  unsigned in_line_ = 0;                     // the select register of round robin
-  std::uint64_t whole_turns_ = 0;            // valid cycles that every output has had
-  std::vector<std::int64_t> turn_steps_;     // and those beyond: the difference from one output to the next
-  std::vector<std::uint64_t> valid_cycles_;  // by output, for the policies whose select stands still
+  scheduler_policies::any policy_;
   unsigned shown_select_ = 0;
 };
 

@@ -4,6 +4,7 @@
 #include <thread>
 
 #include "modules/config/error.h"
+#include "modules/scheduler/policies/policies.h"
 #include "testbench/replay/schedule.h"
 #include "testbench/replay/walk_in_parts.h"
 
@@ -12,12 +13,20 @@ namespace {
 
 using namespace replaying;
 
+template <bool Held>
+std::unique_ptr<job_schedule> schedule_of(const design& d, const surroundings& s, const walked_rays& walked,
+                                          const result_handler& handler) {
+  return scheduler_policies::with(d.scheduler_.select, [&](auto policy) -> std::unique_ptr<job_schedule> {
+    return std::make_unique<schedule<Held, typename decltype(policy)::type>>(d, s, walked, handler);
+  });
+}
+
 std::unique_ptr<job_schedule> schedule_for(const design& d, const surroundings& s, const walked_rays& walked,
                                            const result_handler& handler) {
   check_replayable(d, s);
   const bool always = s.sink.ready == sink_params::regime::always;
-  if (d.result_manager_.valid_withdrawn || always) return std::make_unique<schedule<false>>(d, s, walked, handler);
-  return std::make_unique<schedule<true>>(d, s, walked, handler);
+  const bool held = !d.result_manager_.valid_withdrawn && !always;
+  return held ? schedule_of<true>(d, s, walked, handler) : schedule_of<false>(d, s, walked, handler);
 }
 
 }  // namespace

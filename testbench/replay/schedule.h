@@ -15,6 +15,7 @@
 #include "modules/rtu/design.h"
 #include "modules/svo_core/svo_kind.h"
 #include "modules/svo_core/svo_walk.h"
+#include "modules/timing/divisor.h"
 #include "testbench/bench/run_figures.h"
 #include "testbench/replay/replay.h"
 #include "testbench/replay/schedule_parts.h"
@@ -29,19 +30,18 @@ class job_schedule {
   virtual run_figures finish(const numeric::float_to_fixed_stats& conversion) = 0;
 };
 
-/// One replay. `Held`: an offered result stays and the sink is not always ready.
-template <bool Held>
+/// One replay. `Held`: an offered result stays and the sink is not always ready. `Policy`: of the scheduler.
+template <bool Held, class Policy>
 class schedule final : public job_schedule {
  public:
   schedule(const design& d, const surroundings& s, const walked_rays& walked, const result_handler& handler)
       : design_(d),
         watchdog_(s.watchdog_cycles),
-        policy_(d.scheduler_.select),
+        policy_(d.rtu.cores),
         walked_(walked),
         handler_(handler),
         cores_(d.rtu.cores),
         by_cores_(d.rtu.cores),
-        offered_steps_(d.rtu.cores + 1),
         buses_(d.rtu.cores),
         core_params_(d.of<svo_kind>().core_with_format()),
         source_(s.source),
@@ -67,7 +67,20 @@ class schedule final : public job_schedule {
 
  private:
   static constexpr unsigned stages = job_manager::latency_cycles;
-  using policy = scheduler_params::policy;
+
+  /// The cores as a policy sees them.
+  struct core_view {
+    static constexpr bool known_ahead = !Held;
+    schedule& all;
+
+    cycle free_from(unsigned core) const { return all.cores_[core].free_from; }
+    /// Sees to it that all drains before cycle c are known.
+    void know(cycle c) const {
+      if constexpr (Held) {
+        if (c > 0) all.follow_drains(c - 1);
+      }
+    }
+  };
 
   void replay_job(std::uint32_t j) {
     const walked_ray& ray = walked_.rays[j];
@@ -78,14 +91,16 @@ class schedule final : public job_schedule {
     figures_.results.last_accepted = accepted;
     const cycle output_from = stages_.output_from(accepted);
 
-    const cycle dispatched = dispatch(output_from);
+    const cycle dispatched = policy_.dispatch(output_from, core_view{*this});
     check_watchdog(last_dispatch_, dispatched);
     stages_.dispatch(output_from, dispatched);
-    core_schedule& core = cores_[chosen_];
-    account_dispatch(core, output_from, dispatched);
+    const unsigned chosen = policy_.core();
+    core_schedule& core = cores_[chosen];
+    core.idle_cycles += dispatched - core.free_from + 1;
+    pending_valid_cycles_ += dispatched - output_from + 1;
     last_dispatch_ = dispatched;
     if (ray.overflow)
-      throw svo_stack_overflow(fmt::format("rtu.core_{}", chosen_), design_.of<svo_kind>().core.stack_depth, j, ray.job_word, dispatched);
+      throw svo_stack_overflow(fmt::format("rtu.core_{}", chosen), design_.of<svo_kind>().core.stack_depth, j, ray.job_word, dispatched);
 
     ++core.jobs;
     core.hits += ray.hit;
@@ -109,11 +124,9 @@ class schedule final : public job_schedule {
       }
     } else {
       const cycle buffered = core.drained == never ? done : std::max(done, core.drained + 1);
-      // The select meets the buffer every N cycles; in each such cycle it is offered.
-      const cycle first = policy_ == policy::cyclic_first_available
-                              ? dispatched + by_cores_.quotient(buffered - dispatched + cores_.size()) * cores_.size()
-                              : next_turn(buffered + 1);
-      cycle drained = first;
+      // The select meets the buffer every N cycles, core i's in cycle i at first; in each such cycle it is offered.
+      const cycle met = core.drained == never ? chosen : core.drained;
+      cycle drained = met + by_cores_.quotient(buffered - met + cores_.size()) * cores_.size();
       std::uint64_t offers = 1;
       if (sink_) {
         for (; (sink_->state(drained) & 1) == 0; ++offers) {
@@ -127,59 +140,10 @@ class schedule final : public job_schedule {
       core.waited_cycles += buffered - done;
       core.full_cycles += drained - buffered;
       last_result_ = std::max(last_result_, drained);
-      order_.add(drained, {j, chosen_, drained - accepted});
+      order_.add(drained, {j, chosen, drained - accepted});
     }
     if (order_.span(dispatched) >= leaving_order::batch)
       order_.flush(dispatched, [this](cycle c, const leaving_order::result& r) { leave(c, r); });
-  }
-
-  /// The first cycle >= c in which the select points at the chosen core.
-  cycle next_turn(cycle c) const {
-    const unsigned now = by_cores_.remainder(c);
-    return c + (chosen_ >= now ? chosen_ - now : chosen_ + cores_.size() - now);
-  }
-
-  /// The cycle >= c in which the policy finds a core; that is then `chosen_`.
-  cycle dispatch(cycle c) {
-    const auto cores = static_cast<unsigned>(cores_.size());
-    switch (policy_) {
-      case policy::cyclic_first_available: {
-        const std::uint64_t turned = select_ + (c - select_cycle_);
-        unsigned at = turned < cores ? static_cast<unsigned>(turned) : by_cores_.remainder(turned);
-        for (;; ++c, at = at + 1 < cores ? at + 1 : 0) {
-          know(c);
-          if (cores_[at].free_from <= c) break;
-        }
-        chosen_ = select_ = at;
-        select_cycle_ = c;
-        return c;
-      }
-      case policy::round_robin:
-        chosen_ = in_line_;
-        in_line_ = in_line_ + 1 < cores ? in_line_ + 1 : 0;
-        if constexpr (Held)
-          for (know(c); cores_[chosen_].free_from > c; know(c)) ++c;
-        return std::max(c, cores_[chosen_].free_from);
-      case policy::first_available: break;
-    }
-    for (know(c);; know(++c)) {
-      for (chosen_ = 0; chosen_ < cores; ++chosen_)
-        if (cores_[chosen_].free_from <= c) return c;
-      if constexpr (!Held) c = std::max(c, earliest_free() - 1);
-    }
-  }
-
-  cycle earliest_free() const {
-    cycle least = never;
-    for (const auto& core : cores_) least = std::min(least, core.free_from);
-    return least;
-  }
-
-  /// Sees to it that all drains before cycle c are known.
-  void know(cycle c) {
-    if constexpr (Held) {
-      if (c > 0) follow_drains(c - 1);
-    }
   }
 
   void fill_buffer(core_schedule& core, cycle buffered, std::uint32_t job) {
@@ -220,43 +184,6 @@ class schedule final : public job_schedule {
       turn_cycle_ = drained + 1;
       turn_ = turn_ + 1 < cores_.size() ? turn_ + 1 : 0;
     }
-  }
-
-  void account_dispatch(core_schedule& core, cycle output_from, cycle dispatched) {
-    const cycle idle = dispatched - core.free_from;  // cycles in which the core was ready before this one
-    core.idle_cycles += idle + 1;
-    pending_valid_cycles_ += dispatched - output_from + 1;
-    const cycle behind = last_dispatch_ == never ? 0 : last_dispatch_ + 1;
-    switch (policy_) {
-      case policy::cyclic_first_available:
-        core.idle_selected += by_cores_.quotient(idle) + 1;
-        if (dispatched == output_from)
-          ++core.offered_cycles;
-        else
-          offer_in_turn(output_from, dispatched);
-        break;
-      case policy::round_robin:
-        core.offered_cycles += dispatched - output_from + 1;
-        ready_cycles_ += dispatched - std::max(behind, core.free_from) + 1;
-        break;
-      case policy::first_available:
-        ++core.offered_cycles;
-        ready_cycles_ += dispatched - std::max(behind, earliest_free()) + 1;
-        break;
-    }
-  }
-
-  /// A job is shown to one core after the other in the cycles [from, to].
-  void offer_in_turn(cycle from, cycle to) {
-    const auto cores = static_cast<unsigned>(cores_.size());
-    const cycle length = to - from + 1;
-    offered_turns_ += by_cores_.quotient(length);
-    const unsigned rest = by_cores_.remainder(length);
-    if (rest == 0) return;
-    const unsigned first = chosen_ + 1 >= rest ? chosen_ + 1 - rest : chosen_ + 1 + cores - rest;
-    ++offered_steps_[first];
-    --offered_steps_[chosen_ + 1];
-    if (first > chosen_) ++offered_steps_[0], --offered_steps_[cores];
   }
 
   void leave(cycle c, const leaving_order::result& r) {
@@ -301,30 +228,15 @@ class schedule final : public job_schedule {
       waits.buffer_cycles += core.waited_cycles;
       waits.result_cycles += core.full_cycles;
     }
-    // Behind the last dispatch.
-    switch (policy_) {
-      case policy::cyclic_first_available:
-        for (unsigned i = 0; i < cores_.size(); ++i) {
-          chosen_ = i;
-          const cycle turn = next_turn(cores_[i].free_from);
-          ready_cycles_ += cores_[i].idle_selected + (turn < end ? by_cores_.quotient(end - 1 - turn) + 1 : 0);
-        }
-        break;
-      case policy::round_robin: ready_cycles_ += cycles_from(cores_[in_line_].free_from, last_dispatch_ + 1, end); break;
-      case policy::first_available: ready_cycles_ += cycles_from(earliest_free(), last_dispatch_ + 1, end); break;
-    }
     const auto channel = [&](std::string name, std::uint64_t transfers, std::uint64_t valid, std::uint64_t ready) {
       figures_.channels.emplace_back(std::move(name),
                                      channel_stats{transfers, ready - transfers, valid - transfers, end + transfers - valid - ready});
     };
-    channel("pending_job", jobs, pending_valid_cycles_, ready_cycles_);
-    std::int64_t steps = 0;
+    channel("pending_job", jobs, pending_valid_cycles_, policy_.ready_cycles(end, core_view{*this}));
     for (unsigned i = 0; i < cores_.size(); ++i) {
       core_schedule& core = cores_[i];
       core.idle_cycles += cycles_from(core.free_from, 0, end);
-      steps += offered_steps_[i];
-      channel(fmt::format("core_job_{}", i), core.jobs, core.offered_cycles + offered_turns_ + static_cast<std::uint64_t>(steps),
-              core.idle_cycles);
+      channel(fmt::format("core_job_{}", i), core.jobs, policy_.valid_cycles(i), core.idle_cycles);
     }
     for (unsigned i = 0; i < cores_.size(); ++i)
       channel(fmt::format("core_result_{}", i), cores_[i].jobs, cores_[i].jobs + cores_[i].waited_cycles, end - cores_[i].full_cycles);
@@ -348,14 +260,12 @@ class schedule final : public job_schedule {
 
   const design& design_;
   cycle watchdog_;
-  policy policy_;
+  typename Policy::schedule policy_;
   const walked_rays& walked_;
   const result_handler& handler_;
   job_manager::stats jobs_;
   std::vector<core_schedule> cores_;
-  divider by_cores_;
-  std::vector<std::int64_t> offered_steps_;  // as the scheduler's: whole turns, and what goes beyond them
-  std::uint64_t offered_turns_ = 0;
+  divisor by_cores_;
   std::vector<svo_result_registers> buses_;
   svo_core_params core_params_;
   source_schedule source_;
@@ -365,14 +275,9 @@ class schedule final : public job_schedule {
   run_figures figures_;
 
   std::uint32_t next_job_ = 0;
-  unsigned chosen_ = 0;
-  unsigned select_ = 0;              // cyclic: the select in `select_cycle_`
-  cycle select_cycle_ = 0;
-  unsigned in_line_ = 0;             // round robin
   cycle last_dispatch_ = never;
   cycle last_result_ = 0;
   std::uint64_t pending_valid_cycles_ = 0;
-  std::uint64_t ready_cycles_ = 0;   // of the scheduler
   std::uint64_t result_valid_cycles_ = 0;
   // Where drains are followed in time.
   unsigned turn_ = 0;                // the select in `turn_cycle_`

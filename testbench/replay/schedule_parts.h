@@ -15,18 +15,6 @@
 /// What a schedule without a clock is put together from.
 namespace rtusim::replaying {
 
-/// Division of small numbers by N without dividing.
-class divider {
- public:
-  explicit divider(unsigned n) : n_(n), reciprocal_(((std::uint64_t{1} << 32) + n - 1) / n) {}
-  std::uint64_t quotient(std::uint64_t x) const { return x < 65'536 ? x * reciprocal_ >> 32 : x / n_; }
-  unsigned remainder(std::uint64_t x) const { return static_cast<unsigned>(x - quotient(x) * n_); }
-
- private:
-  std::uint64_t n_;
-  std::uint64_t reciprocal_;
-};
-
 /// When the source offers the next job.
 class source_schedule {
  public:
@@ -160,10 +148,8 @@ struct core_schedule {
 
   std::uint64_t jobs = 0, hits = 0, cost = 0, pushes = 0, depth = 0, ends = 0;
   std::uint64_t idle_cycles = 0;       ///< ready for a job
-  std::uint64_t idle_selected = 0;     ///< and under the turning select
   std::uint64_t waited_cycles = 0;     ///< done, and the buffer full
   std::uint64_t full_cycles = 0;       ///< of the buffer
-  std::uint64_t offered_cycles = 0;    ///< a job was shown to it
 };
 
 }  // namespace rtusim::replaying

@@ -60,7 +60,7 @@ design random_triangle_design(rng& random) {
   design d;
   d.choose<bih_kind>();
   d.rtu.cores = random() % 4 == 0 ? 1 + random() % 24 : 1 + random() % 5;
-  d.scheduler_.select = static_cast<scheduler_params::policy>(random() % 3);
+  d.scheduler_.select = random() % scheduler_policies::count;
   d.result_manager_.valid_withdrawn = coin();
   if (coin()) d.of<bih_kind>().words = random_words(random);
   if (coin()) d.of<bih_kind>().words.reciprocal_bits = random() % 29;

@@ -17,7 +17,7 @@ modules/config
 modules/numeric
 modules/formats
 modules/timing
-modules/memory
+modules/memory modules/scheduler/policies
 modules/float_to_fixed modules/t_div modules/scheduler modules/job_manager modules/triangle_unit modules/result_manager
 modules/core_bank
 modules/svo_core modules/bih_core

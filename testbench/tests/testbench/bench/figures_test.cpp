@@ -228,7 +228,7 @@ TEST_CASE("figures: of voxel cores each is what the log and the waveform come to
   while (runs < 20) {
     design d;
     d.rtu.cores = 1 + random() % 7;
-    d.scheduler_.select = static_cast<scheduler_params::policy>(random() % 3);
+    d.scheduler_.select = random() % scheduler_policies::count;
     d.of<svo_kind>().core = test::random_core(random);
     d.of<svo_kind>().format = d.of<svo_kind>().core.format;
     d.of<svo_kind>().conversion = {random() % 2 == 0, random() % 2 == 0, random() % 2 == 0};

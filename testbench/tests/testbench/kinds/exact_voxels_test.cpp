@@ -62,7 +62,7 @@ TEST_CASE("exact voxels: designs give the nearest cube ahead, its distance and t
     const test::model m = test::random_model(random);
     design d;
     d.rtu.cores = 1 + random() % 5;
-    d.scheduler_.select = static_cast<scheduler_params::policy>(random() % 3);
+    d.scheduler_.select = random() % scheduler_policies::count;
     std::vector<job_packet> jobs;
     results wanted;
     while (jobs.size() < 200) {
