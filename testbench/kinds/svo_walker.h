@@ -2,9 +2,9 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
-#include "modules/job_manager/job_manager.h"
 #include "modules/svo_core/svo_kind.h"
 #include "modules/svo_core/svo_walk.h"
 #include "testbench/replay/walks.h"
@@ -17,14 +17,9 @@ class svo_walker final : public ray_walker {
   svo_walker(const svo_kind& kind, const std::vector<std::uint32_t>& octree)
       : walk_(kind.core_with_format()), converter_(kind.format, kind.conversion), words_(view_of(octree, kind.memory_)) {}
 
-  void operator()(const job_packet* jobs, std::size_t count, walked_ray* to, numeric::float_to_fixed_stats& conversion) const override {
-    traversal_job job;
-    for (std::size_t i = 0; i < count; ++i) {
-      convert(jobs[i], converter_, conversion, job);
-      const svo_outcome o = walk_(job, words_);
-      to[i] = {o.t_hit, o.job_word, o.cost, o.pushes, o.depth, o.axis, o.hit, o.overflow};
-    }
-  }
+  void operator()(const job_packet* jobs, std::size_t count, walked_ray* to, numeric::float_to_fixed_stats& conversion) const override;
+  std::unique_ptr<replaying::job_schedule> schedule(const design& d, const surroundings& s, const walked_rays& walked,
+                                                    const result_handler& handler) const override;
 
  private:
   svo_walk walk_;

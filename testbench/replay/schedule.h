@@ -13,37 +13,33 @@
 #include "modules/config/error.h"
 #include "modules/job_manager/job_manager.h"
 #include "modules/rtu/design.h"
-#include "modules/svo_core/svo_kind.h"
-#include "modules/svo_core/svo_walk.h"
+#include "modules/scheduler/policies/policies.h"
 #include "modules/timing/divisor.h"
 #include "testbench/bench/run_figures.h"
-#include "testbench/replay/replay.h"
 #include "testbench/replay/schedule_parts.h"
+#include "testbench/replay/walks.h"
 
 namespace rtusim::replaying {
 
-/// A replay that goes on as rays are walked.
-class job_schedule {
- public:
-  virtual ~job_schedule() = default;
-  virtual void advance(std::size_t end) = 0;
-  virtual run_figures finish(const numeric::float_to_fixed_stats& conversion) = 0;
-};
-
-/// One replay. `Held`: an offered result stays and the sink is not always ready. `Policy`: of the scheduler.
-template <bool Held, class Policy>
+/// One replay. `Held`: an offered result stays and the sink is not always ready. `Policy`: of the scheduler. `Way`: what only the kind of core knows,
+/// each ray in its own type:
+///
+///     static constexpr unsigned job_latency_cycles;                          // from accepted to dispatched at the earliest
+///     explicit Way(const design&);
+///     void check(const walked_ray&, unsigned core, std::uint32_t job, cycle dispatched) const;  // throws for a walk that is a fault
+///     void show(unsigned core, const walked_ray&, traversal_result&);        // what the result bus carries, in the order of leaving
+///     std::shared_ptr<const bank_figures> figures(const job_manager::stats&, const std::vector<core_schedule>&) const;
+template <bool Held, class Policy, class Way>
 class schedule final : public job_schedule {
  public:
   schedule(const design& d, const surroundings& s, const walked_rays& walked, const result_handler& handler)
-      : design_(d),
-        watchdog_(s.watchdog_cycles),
+      : watchdog_(s.watchdog_cycles),
         policy_(d.rtu.cores),
         walked_(walked),
         handler_(handler),
         cores_(d.rtu.cores),
         by_cores_(d.rtu.cores),
-        buses_(d.rtu.cores),
-        core_params_(d.of<svo_kind>().core_with_format()),
+        way_(d),
         source_(s.source),
         stages_(stages),
         accepted_(Held ? walked.size : 0) {
@@ -66,7 +62,7 @@ class schedule final : public job_schedule {
   }
 
  private:
-  static constexpr unsigned stages = job_manager::latency_cycles;
+  static constexpr unsigned stages = Way::job_latency_cycles;
 
   /// The cores as a policy sees them.
   struct core_view {
@@ -99,8 +95,7 @@ class schedule final : public job_schedule {
     core.idle_cycles += dispatched - core.free_from + 1;
     pending_valid_cycles_ += dispatched - output_from + 1;
     last_dispatch_ = dispatched;
-    if (ray.overflow)
-      throw svo_stack_overflow(fmt::format("rtu.core_{}", chosen), design_.of<svo_kind>().core.stack_depth, j, ray.job_word, dispatched);
+    way_.check(ray, chosen, j, dispatched);
 
     ++core.jobs;
     core.hits += ray.hit;
@@ -197,16 +192,7 @@ class schedule final : public job_schedule {
     t.sequence = r.job;
     figures_.results.count(c, t, r.latency_cycles);
     if (!handler_) return;
-    // What the bus carries: a miss may keep the core's last hit.
-    svo_outcome o;
-    o.hit = ray.hit;
-    o.t_hit = ray.t_hit;
-    o.axis = ray.axis;
-    auto& bus = buses_[r.core];
-    bus.take(o, ray.job_word >> job_id_bits & 7, core_params_);
-    t.t_hit = bus.t_hit;
-    t.normal_axis = bus.axis;
-    t.normal_sign = bus.sign;
+    way_.show(r.core, ray, t);
     handler_(c, t, r.latency_cycles);
   }
 
@@ -243,22 +229,9 @@ class schedule final : public job_schedule {
     channel("job", jobs, source_.valid_cycles(), end - stages_.stalled());
     channel("result", jobs, result_valid_cycles_, sink_ ? sink_->count(0, end) : end);
 
-    auto bank = std::make_shared<svo_figures>(svo_kind::name);
-    bank->jobs = jobs_;
-    for (const auto& core : cores_) {
-      svo_core::stats s;
-      s.jobs = core.jobs;
-      s.hits = core.hits;
-      s.cost = core.cost;
-      s.idle_cycles = core.idle_cycles;
-      s.out_cycles = core.jobs + core.waited_cycles;
-      s.visits = visits_of_sums(core.jobs, core.cost, core.pushes, core.depth, core.ends);
-      bank->cores.push_back(s);
-    }
-    figures_.bank = std::move(bank);
+    figures_.bank = way_.figures(jobs_, cores_);
   }
 
-  const design& design_;
   cycle watchdog_;
   typename Policy::schedule policy_;
   const walked_rays& walked_;
@@ -266,8 +239,7 @@ class schedule final : public job_schedule {
   job_manager::stats jobs_;
   std::vector<core_schedule> cores_;
   divisor by_cores_;
-  std::vector<svo_result_registers> buses_;
-  svo_core_params core_params_;
+  Way way_;
   source_schedule source_;
   stages_schedule stages_;
   std::optional<lfsr> sink_;
@@ -285,5 +257,16 @@ class schedule final : public job_schedule {
   std::uint64_t outstanding_ = 0;    // results in buffers or on their way there
   std::vector<cycle> accepted_;
 };
+
+/// The schedule for a design's policy and a run's sink.
+template <class Way>
+std::unique_ptr<job_schedule> schedule_for(const design& d, const surroundings& s, const walked_rays& walked, const result_handler& handler) {
+  const bool held = !d.result_manager_.valid_withdrawn && s.sink.ready != sink_params::regime::always;
+  return scheduler_policies::with(d.scheduler_.select, [&](auto policy) -> std::unique_ptr<job_schedule> {
+    using chosen = typename decltype(policy)::type;
+    if (held) return std::make_unique<schedule<true, chosen, Way>>(d, s, walked, handler);
+    return std::make_unique<schedule<false, chosen, Way>>(d, s, walked, handler);
+  });
+}
 
 }  // namespace rtusim::replaying

@@ -47,8 +47,9 @@ traced_run trace(const run_setup& s, const run_inputs& inputs, const run_manner&
   if (manner.pace == run_pace::replay) {
     if (manner.window) throw input_error("--vcd", "--pace replay, which has no signals", "--pace skipping, which is quick outside the window");
     check_replayable(s.unit, s.bench);
-    run.figures = inputs.walked ? replay(s.unit, s.bench, *inputs.walked, manner.each)
-                                : replay(s.unit, s.bench, *inputs.model->walker(s.unit), jobs, manner.threads, manner.each);
+    const auto walk = inputs.model->walker(s.unit);
+    run.figures = inputs.walked ? replay(s.unit, s.bench, *walk, *inputs.walked, manner.each)
+                                : replay(s.unit, s.bench, *walk, jobs, manner.threads, manner.each);
   } else {
     simulation sim(s.unit, s.bench, inputs.model->memories(), jobs, static_cast<pace>(manner.pace), manner.window);
     if (manner.each) sim.board().on_result(manner.each);

@@ -60,8 +60,8 @@ outcome replay_of(const design& d, const surroundings& s, const svo_image& image
   try {
     outcome o{log_header, ""};
     const auto note = [&](cycle c, const traversal_result& r, std::uint64_t) { o.log += log_line(c, r); };
-    const run_figures figures =
-        kept_walks ? replay(d, s, walk_rays(svo_walker(d.of<svo_kind>(), image.words), jobs, 2), note) : replay(d, s, svo_walker(d.of<svo_kind>(), image.words), jobs, 2, note);
+    const svo_walker walk(d.of<svo_kind>(), image.words);
+    const run_figures figures = kept_walks ? replay(d, s, walk, walk_rays(walk, jobs, 2), note) : replay(d, s, walk, jobs, 2, note);
     config::report report;
     figures.describe(report);
     o.statistics = report.values().dump();
