@@ -2,6 +2,7 @@
 
 #include "modules/scheduler/policies/cyclic_first_available.h"
 #include "modules/scheduler/policies/first_available.h"
+#include "modules/scheduler/policies/least_recently_used.h"
 #include "modules/scheduler/policies/policy_list.h"
 #include "modules/scheduler/policies/round_robin.h"
 
@@ -30,7 +31,8 @@ namespace rtusim {
 using scheduler_policies = policy_list<
     cyclic_first_available,
     round_robin,
-    first_available>;
+    first_available,
+    least_recently_used>;
 
 /// A policy's place in the list: the value of `scheduler_params::select`.
 template <class Policy>

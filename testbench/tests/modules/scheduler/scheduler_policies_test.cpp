@@ -214,6 +214,13 @@ unsigned shown_to(std::string_view policy, const moment& m) {
   if (policy == "cyclic_first_available") return static_cast<unsigned>(m.now % cores);
   if (policy == "round_robin") return static_cast<unsigned>(m.jobs % cores);
   if (policy == "first_available") return static_cast<unsigned>(std::find(m.ready.begin(), m.ready.end(), true) - m.ready.begin());
+  if (policy == "least_recently_used") {
+    const auto ago = [&m](unsigned core) { return m.taken[core] == never ? m.now + 1 : m.now - m.taken[core]; };
+    unsigned found = cores;
+    for (unsigned core = 0; core < cores; ++core)
+      if (m.ready[core] && (found == cores || ago(core) > ago(found))) found = core;
+    return found;
+  }
   throw std::logic_error("nobody says what this policy does: " + std::string(policy));
 }
 
@@ -304,6 +311,20 @@ TEST_CASE("scheduler policies: whom a job is shown to and who takes it, whatever
         }
       }
     }
+}
+
+TEST_CASE("scheduler policies: least recently used is the core without a job so far, then the one whose last began first", "[scheduler]") {
+  traffic t;
+  t.jobs = 9;
+  t.ready_from = {0, 0, 0};
+  t.pauses = {{1}, {4}, {1}};
+  const unsigned cores[] = {0, 1, 2, 0, 2, 0, 1, 2, 0};  // in cycle 6 cores 1 and 2 are ready, in cycle 7 cores 0 and 2
+  sightings wanted;
+  for (cycle c = 0; c < t.jobs; ++c) wanted.taken(c, cores[c], c);
+  const unsigned policy = policy_index<least_recently_used>;
+  CHECK_THAT(simulated(policy, t, pace::checked), Catch::StartsWith(wanted.text()));
+  CHECK_THAT(scheduled(policy, t, true), Catch::StartsWith(wanted.text()));
+  CHECK_THAT(expected("least_recently_used", t), Catch::StartsWith(wanted.text()));
 }
 
 TEST_CASE("scheduler policies: a schedule finds the same cycles and counts without a clock", "[scheduler]") {
