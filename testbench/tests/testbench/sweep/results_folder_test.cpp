@@ -385,7 +385,7 @@ TEST_CASE("The sources' checksum is that of their names and contents, wherever t
   const scratch_folder folder;
   const auto checksum = [&](const char* tree) {
     const std::string command = fmt::format("'{}' '-DROOT={}' '-DOUTPUT={}' -P '{}'", RTUSIM_CMAKE, (folder / tree).string(), (folder / "made.cpp").string(),
-                                            RTUSIM_SOURCE_DIR "/testbench/source_checksum.cmake");
+                                            RTUSIM_SOURCE_DIR "/testbench/sweep/source_checksum.cmake");
     REQUIRE(std::system(command.c_str()) == 0);
     const std::string text = bytes_of(folder / "made.cpp");
     return text.substr(text.find("return \""));
