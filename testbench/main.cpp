@@ -34,6 +34,7 @@
 #include "testbench/commands/sweep_command.h"
 #include "testbench/commands/unit_command.h"
 #include "testbench/pictures/pictures.h"
+#include "testbench/run/program_version.h"
 
 namespace {
 
@@ -223,6 +224,7 @@ input_error usage_error(const CLI::App& app, const CLI::ParseError& e) {
 int command_line(int argc, char** argv) {
   CLI::App app("rtusim simulates ray tracing hardware to the bit and to the clock cycle", "rtusim");
   app.require_subcommand(1);
+  app.set_version_flag("--version", fmt::format("rtusim {}", program_version()), "the version, and the commit of the sources");
   app.footer("'rtusim COMMAND --help' tells what a command takes, 'rtusim explain' every parameter of a design.");
 
   run_options run_asked;

@@ -8,6 +8,7 @@
 
 #include "modules/config/files.h"
 #include "modules/config/printable.h"
+#include "testbench/run/program_version.h"
 #include "testbench/run/record_paths.h"
 
 namespace rtusim {
@@ -48,6 +49,7 @@ void flatten(const json& from, const std::string& key, std::vector<std::pair<std
 
 void simulator_figures::describe(config::report& r) const {
   const auto per_ray = [this](double figure) { return rays == 0 ? 0.0 : figure / static_cast<double>(rays); };
+  r.number("version", program_version(), "", "of the program, with the commit of its sources; + where they differed from it");
   r.number("pace", pace, "", "how the run came by its cycles");
   r.number("run_seconds", run_seconds, "s", "wall time of the simulation alone");
   r.number("all_seconds", all_seconds, "s", "wall time with scene, jobs, pictures and logs");

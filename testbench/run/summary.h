@@ -27,7 +27,7 @@ struct run_record {
 /// Appends all values of a tree of figures with their path, A.B.C behind `key`, in its order.
 void flatten(const nlohmann::ordered_json& from, const std::string& key, std::vector<std::pair<std::string, nlohmann::ordered_json>>& to);
 
-/// The simulator's own speed.
+/// The simulator itself: which one it is, and its speed.
 struct simulator_figures {
   std::string pace;
   std::uint64_t rays = 0;

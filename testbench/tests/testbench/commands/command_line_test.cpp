@@ -9,6 +9,7 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "modules/config/files.h"
 #include "testbench/tests/program.h"
@@ -101,6 +102,16 @@ TEST_CASE("command line: a command that can't be read is refused", "[testbench]"
       {"a pace that is none", small_run({"--pace", "faster"}), "--pace: \"faster\"; expected skipping, stepped"},
   };
   for (const refusal& r : all) check_refused(folder, r);
+}
+
+TEST_CASE("command line: the version, which a record tells, too", "[testbench]") {
+  const test::scratch_folder folder;
+  const outcome o = rtusim(folder, {"--version"});
+  CHECK(o.status == 0);
+  CHECK(o.err.empty());
+  CHECK_THAT(o.out, Catch::Matches(R"(rtusim \d+\.\d+\.\d+ \((unknown|[0-9a-f]{7,40}\+?)\)\n)"));
+  REQUIRE(rtusim(folder, small_run({"--stats", "s.json"})).status == 0);
+  CHECK(o.out == "rtusim " + nlohmann::json::parse(bytes_of(folder / "s.json"))["simulator"]["version"].get<std::string>() + '\n');
 }
 
 TEST_CASE("command line: a parameter that is unknown, unread or out of range is refused", "[testbench]") {
