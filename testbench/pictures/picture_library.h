@@ -2,7 +2,8 @@
 
 namespace rtusim {
 
-/// A function of `librtusim_pictures.so`, which lies beside the program and brings OpenImageIO with it; loaded with the first call.
+/// A function of `librtusim_pictures.so`, which brings OpenImageIO with it; loaded with the first call. It lies beside the program, where
+/// the build leaves it, or in ../lib/rtusim, where it is installed.
 /// Errors: input_error when the library or the function is not there.
 void* picture_function(const char* name);
 
