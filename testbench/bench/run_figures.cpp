@@ -7,9 +7,7 @@ std::vector<std::string> run_figures::warnings() const {
   std::vector<std::string> all;
   if (const auto c = bank->conversion(); c.overflows + c.nans != 0)
     all.push_back(fmt::format("{} parameters of the jobs lie beyond the fixed-point range, {} are no number", c.overflows, c.nans));
-  if (host.triangles && host.triangles->losses.dropped + host.triangles->losses.clamped != 0)
-    all.push_back(fmt::format("of the triangles {} lost their area on the grid, {} have edges beyond edge_shift and were clamped",
-                              host.triangles->losses.dropped, host.triangles->losses.clamped));
+  if (host.model) host.model->warn(all);
   if (host.duplicate_ids != 0)
     all.push_back(fmt::format("{} jobs have the id of an earlier one; a picture shows the nearest hit", host.duplicate_ids));
   return all;

@@ -5,7 +5,6 @@
 #include <utility>
 #include <vector>
 
-#include "modules/bih_core/bih_core.h"
 #include "modules/config/report.h"
 #include "modules/core_bank/core_bank.h"
 #include "modules/timing/channel.h"

@@ -32,7 +32,7 @@ std::vector<std::string> bih_host::timing_only() const {
 
 host_figures bih_host::no_figures() const {
   host_figures figures;
-  figures.triangles.emplace();
+  figures.model = std::make_shared<triangle_figures>();
   return figures;
 }
 

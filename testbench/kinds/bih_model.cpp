@@ -3,6 +3,7 @@
 #include <cmath>
 #include <iterator>
 #include <memory>
+#include <utility>
 
 #include "modules/bih_core/bih_walk.h"
 #include "modules/config/error.h"
@@ -22,7 +23,10 @@ void bih_model::settle(design& d) const { d.of<bih_kind>().words.edge_shift = mo
 
 host_figures bih_model::host() const {
   host_figures h;
-  h.triangles = {model_.losses, model_.edge_shift};
+  auto figures = std::make_shared<triangle_figures>();
+  figures->losses = model_.losses;
+  figures->edge_shift = model_.edge_shift;
+  h.model = std::move(figures);
   return h;
 }
 

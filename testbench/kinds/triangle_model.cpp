@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstring>
 
+#include <fmt/format.h>
 #include <glm/glm.hpp>
 
 #include "modules/config/error.h"
@@ -24,6 +25,20 @@ double value_of(std::uint32_t float_bits) {
 glm::dvec3 vec(const grid_point& p) { return {static_cast<double>(p[0]), static_cast<double>(p[1]), static_cast<double>(p[2])}; }
 
 }  // namespace
+
+void triangle_figures::describe(config::report& r) const {
+  r.group("triangles", [this](config::report& g) {
+    g.number("dropped", losses.dropped, "triangles", "without area on the grid");
+    g.number("clamped", losses.clamped, "triangles", "with an edge too long for quantisation.edge_shift, which was cut");
+    g.number("edge_shift", edge_shift, "bits", "quantisation.edge_shift, as given or as auto chose it");
+  });
+}
+
+void triangle_figures::warn(std::vector<std::string>& all) const {
+  if (losses.dropped + losses.clamped != 0)
+    all.push_back(fmt::format("of the triangles {} lost their area on the grid, {} have edges beyond edge_shift and were clamped", losses.dropped,
+                              losses.clamped));
+}
 
 triangle_model load_triangles(const std::filesystem::path& file, const quantisation& q, unsigned leaf_triangles, unsigned address_bits,
                               unsigned patch_quads) {

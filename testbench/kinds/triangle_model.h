@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <string>
 #include <vector>
 
 #include "modules/formats/bih_memory.h"
@@ -13,6 +14,22 @@
 #include "testbench/pictures/frame.h"
 
 namespace rtusim {
+
+/// What a mesh loses as it is put on the triangle cores' grid.
+struct triangle_losses {
+  std::uint64_t dropped = 0;  ///< triangles without area on the grid
+  std::uint64_t clamped = 0;  ///< triangles with an edge component beyond what m bits hold
+};
+
+/// What becomes of a mesh on its way to triangle cores.
+class triangle_figures final : public model_figures {
+ public:
+  triangle_losses losses;
+  unsigned edge_shift = 0;  ///< `quantisation.edge_shift`, chosen or given
+
+  void describe(config::report& r) const override;
+  void warn(std::vector<std::string>& all) const override;
+};
 
 /// A mesh as triangle cores trace it, and where it stands in the world: its box' middle in the origin, half of its longest side 0.98, as
 /// voxels of the same mesh stand.
