@@ -313,8 +313,9 @@ struct schema::toml_reader {
   }
 };
 
-void schema::note_defaults(const section& s) {
-  for (const auto& p : s.parameters()) {
+void schema::note_defaults(const section& s, std::size_t first) {
+  for (std::size_t i = first; i < s.parameters().size(); ++i) {
+    const parameter& p = s.parameters()[i];
     RTU_CHECK(defaults_.count(p.key), ==, 0U);
     defaults_[p.key] = value_of(p);
   }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <functional>
 #include <list>
@@ -27,8 +28,9 @@ class schema {
   template <class Params>
   void add(std::string_view name, Params& params, std::string_view home = {}, std::string_view after = {}) {
     section& s = place_for(name, after);
+    const std::size_t before = s.parameters().size();
     params.describe(s);
-    note_defaults(s);
+    note_defaults(s, before);
     homes_[std::string(name)] = home;
   }
 
@@ -79,7 +81,7 @@ class schema {
   struct assignment;
   struct toml_reader;
   section& place_for(std::string_view name, std::string_view after);
-  void note_defaults(const section& s);
+  void note_defaults(const section& s, std::size_t first);
   parameter* find(std::string_view key);
   void apply(std::vector<assignment> assignments, const std::set<std::string>* allowed);
   void forget_all(std::string_view key);

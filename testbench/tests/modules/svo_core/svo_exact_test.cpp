@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "modules/numeric/float_to_fixed.h"
 #include "modules/svo_core/svo_machine.h"
 #include "modules/svo_core/svo_walk.h"
 #include "testbench/kinds/driver.h"

@@ -11,6 +11,7 @@
 #include "modules/config/error.h"
 #include "modules/config/files.h"
 #include "modules/formats/svo_image.h"
+#include "scenes/meshes/mesh.h"
 #include "scenes/voxels/octree_model.h"
 #include "scenes/voxels/svo_builder.h"
 #include "testbench/commands/info_command.h"

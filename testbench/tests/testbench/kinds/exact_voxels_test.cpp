@@ -10,6 +10,7 @@
 
 #include "modules/svo_core/svo_kind.h"
 #include "testbench/bench/simulation.h"
+#include "testbench/kinds/svo_walker.h"
 #include "testbench/replay/replay.h"
 #include "testbench/tests/in_child.h"
 
@@ -49,7 +50,7 @@ results simulate(const design& d, const test::model& m, const std::vector<job_pa
 
 results replayed(const design& d, const test::model& m, const std::vector<job_packet>& jobs) {
   results all(jobs.size());
-  replay(d, {}, m.image.words, jobs, 2, [&](cycle, const traversal_result& r, std::uint64_t) { note(all, r); });
+  replay(d, {}, svo_walker(d.of<svo_kind>(), m.image.words), jobs, 2, [&](cycle, const traversal_result& r, std::uint64_t) { note(all, r); });
   return all;
 }
 
