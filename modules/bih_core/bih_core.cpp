@@ -110,7 +110,7 @@ void bih_core::step_machine() {
 }
 
 void bih_core::settle_registers() {
-  // next_edge() still counts the edge being done when the domain settles behind it.
+  // next_edge() still counts the edge being done when the domain settles after it.
   const cycle target = domain().next_edge();
   if (accepted_ != never && machine_edge_ <= accepted_) {
     // Either the machine stands where the last job left it, or it never stepped through that job.

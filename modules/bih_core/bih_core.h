@@ -17,8 +17,8 @@ namespace rtusim {
 /// A traversal core for triangles in a bounding interval hierarchy (Hanika 2007, sec. 3.1, 3.4). It keeps the nearest hit of each ray, the
 /// first of those that are equally near.
 ///
-/// Timing: one clock a state. A job accepted at edge e is in AABB in the clock behind it; ready is 1 again in the ray's last clock, so
-/// that the next ray's AABB follows at once. The ray's end goes through the intersector behind its triangles: the result is offered from
+/// Timing: one clock a state. A job accepted at edge e is in AABB in the cycle after it; ready is 1 again in the ray's last clock, so
+/// that the next ray's AABB follows at once. The ray's end goes through the intersector after its triangles: the result is offered from
 /// edge e + clocks + latency + 1 on, in the order of the jobs. A core takes no job while `rays_in_flight` results are not taken.
 ///
 /// The memories answer at once and nothing can disturb a traversal, so the core looks ahead: it walks the whole ray at the accepting

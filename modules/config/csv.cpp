@@ -111,7 +111,7 @@ std::string_view csv_table::take_field(std::string_view& line, const std::string
   std::string unquoted;
   for (std::size_t at = 1;;) {
     const std::size_t quote = line.find('"', at);
-    if (quote == line.npos) throw input_error(place, "a quote that does not end in its line", "another one behind the field");
+    if (quote == line.npos) throw input_error(place, "a quote that does not end in its line", "another one after the field");
     unquoted += line.substr(at, quote - at);
     at = quote + 1;
     if (line.substr(at, 1) == "\"") {
@@ -121,7 +121,7 @@ std::string_view csv_table::take_field(std::string_view& line, const std::string
     const std::string_view plain = line.substr(1, quote - 1);
     line = without_leading_blanks(line.substr(at));
     if (!line.empty() && line[0] != ',')
-      throw input_error(place, "a quote that ends within a field", "a comma behind it, or two quotes for one");
+      throw input_error(place, "a quote that ends within a field", "a comma after it, or two quotes for one");
     return unquoted == plain ? plain : std::string_view(unquoted_.emplace_back(std::move(unquoted)));
   }
 }

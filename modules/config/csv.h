@@ -12,7 +12,7 @@ namespace rtusim {
 /// A table of comma-separated values (RFC 4180): a header line, then rows of as many fields.
 ///
 /// Blanks around a field do not count. A field may stand in quotes, with two for one inside, and then hold commas and outer blanks, but no
-/// line's end. A byte order mark before the table and blank lines behind it are skipped.
+/// line's end. A byte order mark before the table and blank lines after it are skipped.
 class csv_table {
  public:
   /// Reads a file, zipped or not. Errors: input_error for a file without a header, a row with another number of fields, and a quote that

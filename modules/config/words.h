@@ -54,7 +54,7 @@ class word_reader {
   std::string_view in_line();
   /// Takes the next word, of this line or a later one; empty at the end of the text.
   std::string_view anywhere();
-  /// Goes behind the end of the line; false, and nothing happens, at the end of the text.
+  /// Goes beyond the end of the line; false, and nothing happens, at the end of the text.
   bool next_line();
   /// A coordinate out of a word. Errors: input_error when it is no finite number; `what` tells what was expected.
   double coordinate(std::string_view word, const char* what) const;

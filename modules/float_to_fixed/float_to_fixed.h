@@ -9,7 +9,7 @@ namespace rtusim {
 
 /// The float-to-fixed converter alone (Espe 2019, app. C.2.1): binary32 words in, fixed-point words out.
 ///
-/// Timing: 5 stages that move together (see `pipeline_unit`), one word a clock. The job manager has six of them behind its parameter
+/// Timing: 5 stages that move together (see `pipeline_unit`), one word a clock. The job manager has six of them after its parameter
 /// register, so it does their work as part of its own pipeline.
 class float_to_fixed : public pipeline_unit<std::uint32_t, std::int64_t> {
  public:

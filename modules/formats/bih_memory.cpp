@@ -115,7 +115,7 @@ void write_lines(const fs::path& file, const std::string& text) {
 
 /// What is known of a node once all below it is.
 struct extent {
-  std::uint64_t cycles = 0;  // NODE and all behind it until the stack is as before
+  std::uint64_t cycles = 0;  // NODE and all after it until the stack is as before
   std::uint64_t levels = 0;
   std::array<std::uint8_t, 8> stack_entries{};  // by the signs of the ray's direction: bit i set where it points down axis i
 };

@@ -40,7 +40,7 @@ class memory : public sc_core::sc_module, public memory_interface {
   word_view words_;
 };
 
-/// An image as a memory of these parameters holds it: words behind its end read 0, a longer one is cut.
+/// An image as a memory of these parameters holds it: words beyond its end read 0, a longer one is cut.
 word_view view_of(const std::vector<std::uint32_t>& image, const memory::params& p);
 
 }  // namespace rtusim

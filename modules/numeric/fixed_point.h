@@ -7,7 +7,7 @@
 /// Bit-exact arithmetic of the hardware. Widths are run-time values; a word lives sign-extended in a host integer.
 namespace rtusim::numeric {
 
-/// A two's complement fixed-point format: `integer_bits` (with the sign) before the point, `fraction_bits` behind it.
+/// A two's complement fixed-point format: `integer_bits` (with the sign) before the point, `fraction_bits` after it.
 struct fixed_format {
   unsigned integer_bits = 16;
   unsigned fraction_bits = 16;

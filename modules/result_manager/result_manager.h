@@ -15,7 +15,7 @@ namespace rtusim {
 /// Collects the cores' results in a buffer each and sends them out one by one (Espe 2019, sec. 6.2.5 and app. C.5).
 ///
 /// Timing: an empty buffer takes its core's result at the edge at which that is valid. A select turns by one every clock; the buffer
-/// that it points at is offered if it is full, and empty again from the edge behind the transfer on. Order `as_finished`.
+/// that it points at is offered if it is full, and empty again from the edge after the transfer on. Order `as_finished`.
 class result_manager final : public unit {
  public:
   enum class order : std::uint8_t { as_finished };

@@ -60,7 +60,7 @@ void svo_core::edge() {
 }
 
 void svo_core::settle_registers() {
-  // next_edge() still counts the edge being done when the domain settles behind it.
+  // next_edge() still counts the edge being done when the domain settles after it.
   const cycle target = domain().next_edge();
   if (accepted_ == never) {
     machine_edge_ = target;

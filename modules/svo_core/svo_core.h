@@ -14,7 +14,7 @@ namespace rtusim {
 /// A traversal core for sparse voxel octrees: one ray after the other (Espe 2019, sec. 4.1, 6.2.3, 7.2.4).
 ///
 /// Timing: one clock a state. Ready in IDLE; a job accepted at edge e is in OUT, its result valid, from edge e + cost + 1 on until
-/// it is taken, and the core is IDLE again from the edge behind that on.
+/// it is taken, and the core is IDLE again from the edge after that on.
 ///
 /// The memory answers at once and nothing can disturb a traversal, so the core looks ahead: it walks the whole ray at the accepting
 /// edge and steps its state machine only where somebody watches the registers.

@@ -50,7 +50,7 @@ struct svo_visits {
   svo_visits& operator+=(const svo_visits& v);
 };
 svo_visits visits_of(const svo_outcome& o);
-/// The same over `rays` traversals, from the sums of their figures; `ends`: of how many the ray left the root cube behind an EVAL.
+/// The same over `rays` traversals, from the sums of their figures; `ends`: of how many the ray left the root cube after an EVAL.
 svo_visits visits_of_sums(std::uint64_t rays, std::uint64_t cost, std::uint64_t pushes, std::uint64_t depth, std::uint64_t ends);
 
 /// The fault of a stack that is too small for a ray; `core`: the instance's name.

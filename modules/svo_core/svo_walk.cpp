@@ -72,7 +72,7 @@ svo_outcome walk(const traversal_job& job, const word_view& memory, const svo_co
   Int c0[3], c1[3];  // the child's entry and exit parameters
 
 init:
-  cost += 2;  // INIT and the EVAL behind it
+  cost += 2;  // INIT and the EVAL after it
   word = memory[entry];
   {
     const unsigned m = largest(f->t0);

@@ -25,7 +25,7 @@ struct booking {
   booking** link_ = nullptr;  // the pointer that points here; null when not in a list
 };
 
-/// Bookings by cycle: a wheel of the next `slots` cycles with a bitmap over it, and a list for what lies behind.
+/// Bookings by cycle: a wheel of the next `slots` cycles with a bitmap over it, and a list for what lies beyond.
 /// Booking, moving and taking back cost O(1).
 class calendar {
  public:
@@ -47,7 +47,7 @@ class calendar {
   /// The cycle of the earliest booking, or never.
   cycle earliest();
 
-  /// Takes all bookings of cycle c (which must not be behind the earliest) and calls `due` with each; their `at` is never from then on.
+  /// Takes all bookings of cycle c (which must not be after the earliest) and calls `due` with each; their `at` is never from then on.
   template <class Due>
   void take(cycle c, Due&& due) {
     advance(c);
@@ -76,7 +76,7 @@ class calendar {
     b.link_ = nullptr;
     b.next_ = nullptr;
   }
-  /// Lets the wheel begin at c and draws in what was behind it.
+  /// Lets the wheel begin at c and draws in what was beyond it.
   void advance(cycle c) {
     base_ = c;
     if (far_ != nullptr) draw_in();

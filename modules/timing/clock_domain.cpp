@@ -71,7 +71,7 @@ void clock_domain::start_of_simulation() {
 }
 
 void clock_domain::rank_channels() {
-  // A channel ranks behind all whose transfers its offers pass through.
+  // A channel ranks after all whose transfers its offers pass through.
   std::vector<channel_base*> ready_to_rank;
   std::vector<std::pair<channel_base*, unsigned>> sources;
   for (channel_base* c : channels_) {
@@ -280,7 +280,7 @@ void clock_domain::report_deadlock() const {
     chain +=
         fmt::format("{}{}: {} waits for {}", chain.empty() ? "" : "; ", ch->name(), ch->producer_->basename(), ch->consumer_->basename());
   }
-  throw simulation_error(fmt::format("no transfer in the {} cycles behind cycle {}: {}", watchdog_, last_transfer_,
+  throw simulation_error(fmt::format("no transfer in the {} cycles after cycle {}: {}", watchdog_, last_transfer_,
                                      chain.empty() ? std::string("no channel is valid, so a source gives nothing more") : chain));
 }
 

@@ -59,11 +59,11 @@ class clock_domain : public sc_core::sc_module {
   void shuffle_units(std::uint32_t seed) { shuffle_ = seed; }
   /// Runs the simulation to its end. What a unit throws at an edge comes out here as it was thrown.
   void start();
-  /// Ends the simulation behind the edge being done.
+  /// Ends the simulation after the edge being done.
   void stop() { stopping_ = true; }
   /// `w` records the cycles [from, to); outside the run goes on at its own pace.
   void record(waveform& w, cycle from, cycle to);
-  /// From within an edge: the recording begins, or has ended, with the cycle behind it.
+  /// From within an edge: the recording begins, or has ended, with the cycle after it.
   void start_recording();
   void stop_recording();
   /// Called before each edge of the paces that step, with the cycle that it closes and all registers as they are in it.

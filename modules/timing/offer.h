@@ -9,7 +9,7 @@ namespace rtusim {
 using cycle = std::uint64_t;
 inline constexpr cycle never = ~cycle{0};
 
-/// Cycles of [from, to) that lie at or behind `first`.
+/// Cycles of [from, to) that lie at or after `first`.
 inline std::uint64_t cycles_from(cycle first, cycle from, cycle to) {
   const cycle begin = std::max(first, from);
   return begin < to ? to - begin : 0;

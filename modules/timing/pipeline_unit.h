@@ -14,7 +14,7 @@ namespace rtusim {
 ///
 /// Timing: what is accepted at edge e is offered from edge e + stages on. All stages advance when the output is taken or
 /// nothing is offered; ready is the same term, so it follows the consumer's within the clock. Bubbles are not squeezed out. With an
-/// interval above 1 the first stage takes something again only `interval` moves behind the last time.
+/// interval above 1 the first stage takes something again only `interval` moves after the last time.
 template <class In, class Out>
 class pipeline_unit : public unit {
  public:

@@ -60,7 +60,7 @@ void waveform::declare() {
 
   const auto out = std::back_inserter(text_);
   fmt::format_to(out, "$version\n     rtusim\n$end\n$timescale\n     1 ps\n$end\n$scope module SystemC $end\n");
-  std::string_view open;  // the modules whose scopes are, each with a point behind it
+  std::string_view open;  // the modules whose scopes are, each with a point after it
   for (const auto& [modules, v] : in_modules) {
     while (modules.substr(0, open.size()) != open) {
       open.remove_suffix(1);

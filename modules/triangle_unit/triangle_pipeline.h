@@ -10,7 +10,7 @@
 namespace rtusim {
 
 /// What a core sees of the triangle memory and the intersector behind it. It puts a triangle's number to the memory in a clock of its
-/// own choice, `interval_cycles` or more behind the last one, and has the outcome `latency_cycles` later.
+/// own choice, `interval_cycles` or more after the last one, and has the outcome `latency_cycles` later.
 class intersector_interface : public virtual sc_core::sc_interface {
  public:
   /// Of what is no hit u, v and t are not told.

@@ -40,7 +40,7 @@ struct triangle_result {
 
 /// The intersection of rays with triangles (Hanika 2007, sec. 3.3): see `triangle_intersector`.
 ///
-/// Timing: 4 stages before the divider (select; products; sums; numerator and denominator), the divider's, one a bit, and 4 behind it (t
+/// Timing: 4 stages before the divider (select; products; sums; numerator and denominator), the divider's, one a bit, and 4 after it (t
 /// dir; k; products; u and v): n + 11 as built with m = n + 2, 2 more where the denominator does not wrap, as the divider is then 2 bits
 /// wider. What is accepted at edge e is offered from edge e + stages on. All stages move together; a triangle that is missed
 /// early takes as long. With an iterative divider one pair is accepted in as many clocks as it has bits.

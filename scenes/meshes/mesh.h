@@ -19,7 +19,7 @@ struct mesh {
   /// them along with the others: on the grid they may have an area, without which the surface has a slit.
   std::vector<std::array<std::uint32_t, 3>> flat_triangles;
 
-  /// All triangles by number, those without area behind the others.
+  /// All triangles by number, those without area after the others.
   std::size_t all_triangles() const { return triangles.size() + flat_triangles.size(); }
   const std::array<std::uint32_t, 3>& triangle(std::size_t n) const {
     return n < triangles.size() ? triangles[n] : flat_triangles[n - triangles.size()];

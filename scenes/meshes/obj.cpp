@@ -37,7 +37,7 @@ class obj_parser {
     int more = 0;
     for (std::string_view word = words_.in_line(); !word.empty(); word = words_.in_line())
       if (++more > most_more || !number_in<double>(word))
-        throw input_error(words_.here(), fmt::format("{} behind a vertex", quotation(word)), "a weight or a colour, four numbers at most");
+        throw input_error(words_.here(), fmt::format("{} after a vertex", quotation(word)), "a weight or a colour, four numbers at most");
   }
   void face() {
     corners_.clear();
@@ -60,7 +60,7 @@ class obj_parser {
     }
     return static_cast<std::uint32_t>(*index - 1);
   }
-  // The rest of a corner: nothing, or one slash or two, each with a whole number or nothing behind it.
+  // The rest of a corner: nothing, or one slash or two, each with a whole number or nothing after it.
   static bool are_others_sound(std::string_view rest) {
     for (int n = 0; n < 2 && !rest.empty(); ++n) {
       rest.remove_prefix(1);

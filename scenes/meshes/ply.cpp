@@ -50,7 +50,7 @@ struct header {
 class header_parser {
  public:
   header_parser(std::string_view bytes, const std::string& place) : bytes_(bytes), place_(place) {
-    // How the first line ends tells how all do: behind the last, a byte that looks like a line's end is the first of the data.
+    // How the first line ends tells how all do: after the last, a byte that looks like a line's end is the first of the data.
     const std::size_t end = std::min(bytes.find_first_of("\r\n"), bytes.size());
     end_ = bytes.substr(end, 1) == "\r" && bytes.substr(end, 2) != "\r\n" ? '\r' : '\n';
   }
@@ -86,7 +86,7 @@ class header_parser {
     ++line_;
     return line.substr(0, line.find_last_not_of(blanks) + 1);
   }
-  // Takes a word, and the blanks behind it.
+  // Takes a word, and the blanks after it.
   static std::string_view take_word(std::string_view& line) {
     line.remove_prefix(std::min(line.find_first_not_of(blanks), line.size()));
     const std::string_view word = line.substr(0, line.find_first_of(blanks));
@@ -153,7 +153,7 @@ class text_values {
   }
   void end() {
     if (const std::string_view word = words_.in_line(); !word.empty())
-      throw input_error(words_.here(), fmt::format("{} behind an element \"{}\"", quotation(word), element_->name), "the end of the line");
+      throw input_error(words_.here(), fmt::format("{} after an element \"{}\"", quotation(word), element_->name), "the end of the line");
   }
   double coordinate(const type_names&) { return words_.coordinate(next("another number"), "a finite number"); }
   std::int64_t whole(const type_names&) {
@@ -260,7 +260,7 @@ class body_parser {
       else each(e, [&] { skip(e.properties.begin(), e.properties.end()); });
     }
     if (const std::string rest = values_.rest(); !rest.empty())
-      throw input_error(place_, fmt::format("{} behind the last element", rest), "as many elements as the header claims");
+      throw input_error(place_, fmt::format("{} after the last element", rest), "as many elements as the header claims");
     if (!has_vertices_) throw input_error(place_, "a PLY without elements \"vertex\"", "vertices and faces");
     check_corners();
     return std::move(polygons_);
@@ -341,7 +341,7 @@ class body_parser {
       polygons_.add((k - first) % 2 == 0 ? std::array<std::uint32_t, 3>{a, b, last} : std::array<std::uint32_t, 3>{b, a, last});
     }
   }
-  // Vertices may come behind faces: whether it is there is seen at the end.
+  // Vertices may come after faces: whether it is there is seen at the end.
   std::uint32_t index(std::int64_t corner) const {
     if (corner < 0 || corner >= ~std::uint32_t{0}) throw no_vertex(polygons_.sizes.size(), corner);
     return static_cast<std::uint32_t>(corner);

@@ -17,7 +17,7 @@ namespace rtusim {
 /// Offers the items of a list one after the other. Regimes:
 /// - always: each item at once;
 /// - gap: `gap_cycles` cycles after a transfer without an offer;
-/// - paced: an item is first offered `interval_cycles` after the one before was, or behind that one's transfer if later;
+/// - paced: an item is first offered `interval_cycles` after the one before was, or after that one's transfer if later;
 /// - lfsr: in the cycles in which bit 0 of the register is 1 (the offer may so be taken back).
 template <class T>
 class stream_source final : public unit {
@@ -71,7 +71,7 @@ class stream_source final : public unit {
   cycle from_ = 0;  // the present item is offered from here on
 };
 
-/// Takes items and ends the simulation behind the last one expected.
+/// Takes items and ends the simulation after the last one expected.
 template <class T>
 class stream_sink final : public unit {
  public:

@@ -3,8 +3,8 @@
 namespace rtusim {
 
 void source_params::describe(config::section& s) {
-  s.choice("valid", valid, regime_words(), "when jobs are offered: at once, with a gap behind each, at a fixed pace, or at random");
-  s.number("gap_cycles", gap_cycles, {1, 1'000'000}, "cycles", "cycles without an offer behind each accepted job")
+  s.choice("valid", valid, regime_words(), "when jobs are offered: at once, with a gap after each, at a fixed pace, or at random");
+  s.number("gap_cycles", gap_cycles, {1, 1'000'000}, "cycles", "cycles without an offer after each accepted job")
       .when([this] { return valid == regime::gap; }, "source.valid = gap");
   s.number("interval_cycles", interval_cycles, {1, 1'000'000}, "cycles", "cycles from one job's first offer to the next one's")
       .when([this] { return valid == regime::paced; }, "source.valid = paced");

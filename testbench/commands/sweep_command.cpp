@@ -122,7 +122,7 @@ class sweep_progress {
   wall_clock::time_point begin_ = wall_clock::now();
 };
 
-/// Runs points, those that share their rays one behind the other.
+/// Runs points, those that share their rays one after the other.
 class sweep_run {
  public:
   sweep_run(const sweep_plan& plan, const std::vector<sweep_task>& tasks, const results_folder& folder, unsigned workers, bool quiet,

@@ -140,7 +140,7 @@ class leaving_order {
 struct core_schedule {
   cycle free_from = 0;        ///< it takes a job from this cycle on; never while that is not known
   cycle drained = never;      ///< when the last result left the buffer
-  // Where drains are followed in time: the result in the buffer or on its way there, and the one behind it.
+  // Where drains are followed in time: the result in the buffer or on its way there, and the one after it.
   cycle buffered = never;     ///< when it came, or comes, to the buffer
   std::uint32_t job = 0;
   cycle done = never;         ///< a result waits for the buffer, or will, from this cycle on

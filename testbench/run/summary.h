@@ -24,7 +24,7 @@ struct run_record {
   nlohmann::ordered_json simulator;
 };
 
-/// Appends all values of a tree of figures with their path, A.B.C behind `key`, in its order.
+/// Appends all values of a tree of figures with their path, A.B.C after `key`, in its order.
 void flatten(const nlohmann::ordered_json& from, const std::string& key, std::vector<std::pair<std::string, nlohmann::ordered_json>>& to);
 
 /// The simulator itself: which one it is, and its speed.

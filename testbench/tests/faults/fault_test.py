@@ -5,7 +5,7 @@ CALLS: of each function in each command so many, spread over all that there are;
 more. 6 if left out.
 
 After each fault every output is the old file, or none, or the whole new one; all are new when the exit status is 0; else there is one line
-on stderr; no hidden file is left. Besides, a power cut behind an exit status of 0 loses nothing: each output was synced before it got its
+on stderr; no hidden file is left. Besides, a power cut after an exit status of 0 loses nothing: each output was synced before it got its
 name, and its folder after.
 """
 

@@ -3,7 +3,7 @@
 Usage: kill_run_test.py RTUSIM SOURCE [KILLS [SEED]]
 
 Each run writes statistics, a log, jobs, a picture and a waveform over older ones. Behind each end every one of them is whole, the old or
-the new; behind SIGINT and SIGTERM no part file is left, and behind SIGKILL none once another run has written there.
+the new; after SIGINT and SIGTERM no part file is left, and after SIGKILL none once another run has written there.
 """
 
 import os

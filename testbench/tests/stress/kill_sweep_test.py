@@ -93,7 +93,7 @@ with tempfile.TemporaryDirectory() as scratch:
         number += 1
         if Path("out/points").is_dir():
             check_points(number)
-        # Before it has begun, or behind its last point, a signal ends it as any program.
+        # Before it has begun, or after its last point, a signal ends it as any program.
         if sweep.returncode == 1 and Path("out").is_dir():
             check(not parts("out"), f"kill {number}: {sent.name} left {parts('out')}")
     check(start("out").wait() == 0, "the last sweep fails")

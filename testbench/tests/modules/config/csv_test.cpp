@@ -67,8 +67,8 @@ TEST_CASE("csv: what is no table is refused with its line", "[testbench]") {
   CHECK(message("id,x\n1,+\n") == ":2: x = \"+\"; expected a whole number from 0 to 9");
   CHECK(message("\xef\xbb\xbf\n") == ": an empty file; expected a header line and rows of comma-separated values");
   CHECK(message("id,x\n1,5\n\n2,6\n") == ":3: 1 fields; expected 2, as the header has");
-  CHECK(message("id,x\n1,\"5\n6\"\n") == ":2: a quote that does not end in its line; expected another one behind the field");
-  CHECK(message("id,x\n\"1\"a,5\n") == ":2: a quote that ends within a field; expected a comma behind it, or two quotes for one");
+  CHECK(message("id,x\n1,\"5\n6\"\n") == ":2: a quote that does not end in its line; expected another one after the field");
+  CHECK(message("id,x\n\"1\"a,5\n") == ":2: a quote that ends within a field; expected a comma after it, or two quotes for one");
   CHECK(message("x,x\n1,5\n") == ":1: two columns x; expected one");
   CHECK(message("id,x\n1,5\n") == "taken");
 }

@@ -145,7 +145,7 @@ constexpr pace paces[] = {pace::skipping, pace::stepped, pace::checked};
 
 }  // namespace
 
-TEST_CASE("result_manager: a buffer is empty from the edge behind its transfer on", "[result_manager]") {
+TEST_CASE("result_manager: a buffer is empty from the edge after its transfer on", "[result_manager]") {
   for (const pace p : paces)
     for (const bool withdrawn : {false, true}) {
       CAPTURE(static_cast<int>(p), withdrawn);

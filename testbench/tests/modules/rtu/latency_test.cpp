@@ -32,7 +32,7 @@ std::uint64_t only(const test::vcd& w, const std::string& channel) {
 }
 
 struct steps {
-  std::uint64_t converted, dispatched, walked, left;  // cycles behind the step before
+  std::uint64_t converted, dispatched, walked, left;  // cycles after the step before
   std::uint64_t cost;
   std::string text() const { return fmt::format("{} {} cost+{} {}", converted, dispatched, walked - cost, left); }
 };

@@ -121,7 +121,7 @@ TEST_CASE("rotating_select: one line, four, and those at the ends of words", "[t
   }
 }
 
-TEST_CASE("calendar: bookings at the wheel's end, on it and behind", "[timing]") {
+TEST_CASE("calendar: bookings at the wheel's end, on it and beyond", "[timing]") {
   constexpr cycle wheel = 1024;
   const auto due = [](calendar& c, cycle at) {
     std::set<booking*> all;

@@ -66,19 +66,19 @@ TEST_CASE("watchdog: transfers as far apart as it allows, and one cycle more", "
   for (const pace p : paces) {
     CAPTURE(static_cast<int>(p));
     CHECK(run(p, paced(50), 50) == "7@0 8@50 9@100 ");
-    CHECK_THAT(run(p, paced(51), 50), StartsWith("7@0 no transfer in the 50 cycles behind cycle 0: "));
+    CHECK_THAT(run(p, paced(51), 50), StartsWith("7@0 no transfer in the 50 cycles after cycle 0: "));
     CHECK(run(p, paced(52), 50) ==
-          "7@0 no transfer in the 50 cycles behind cycle 0: no channel is valid, so a source gives nothing more");
+          "7@0 no transfer in the 50 cycles after cycle 0: no channel is valid, so a source gives nothing more");
     CHECK(run(p, paced(1), 1) == "7@0 8@1 9@2 ");
-    CHECK_THAT(run(p, paced(2), 1), StartsWith("7@0 no transfer in the 1 cycles behind cycle 0: "));
+    CHECK_THAT(run(p, paced(2), 1), StartsWith("7@0 no transfer in the 1 cycles after cycle 0: "));
     source_params gap;
     gap.valid = source_params::regime::gap;
     gap.gap_cycles = 1999;
     CHECK(run(p, gap, 2000) == "7@0 8@2000 9@4000 ");
-    CHECK_THAT(run(p, gap, 1999), StartsWith("7@0 no transfer in the 1999 cycles behind cycle 0: "));
+    CHECK_THAT(run(p, gap, 1999), StartsWith("7@0 no transfer in the 1999 cycles after cycle 0: "));
     // Who waits for whom.
     CHECK(run(p, paced(50), 50, sink_params::regime::blocked) ==
-          "no transfer in the 50 cycles behind cycle 0: between: source waits for sink");
+          "no transfer in the 50 cycles after cycle 0: between: source waits for sink");
   }
 }
 
@@ -128,7 +128,7 @@ TEST_CASE("watchdog: a replay allows no more than a simulation does", "[timing]"
   const cycle longest = interval - result;  // to the next job's acceptance
   simulated(longest, ignored);
   CHECK(ignored == result);
-  CHECK(simulated(longest - 1, ignored) == fmt::format("error: no transfer in the {} cycles behind cycle {}", longest - 1, result));
+  CHECK(simulated(longest - 1, ignored) == fmt::format("error: no transfer in the {} cycles after cycle {}", longest - 1, result));
   // It looks at the dispatches alone.
   CHECK(replayed(interval));
   CHECK_FALSE(replayed(interval - 1));

@@ -508,7 +508,7 @@ TEST_CASE("command line: a waveform's window must lie in the run", "[testbench]"
   const refusal all[] = {
       {"no waveform", small_run({"--vcd-from", "3"}), "no --vcd"},
       {"a window that ends before it begins", vcd({"--vcd-from", "9", "--vcd-to", "8"}), "--vcd-to: 8, before --vcd-from 9"},
-      {"a window behind the run", vcd({"--vcd-from", "1000000"}), "--vcd-from: cycle 1000000, and the run ends with cycle"},
+      {"a window after the run", vcd({"--vcd-from", "1000000"}), "--vcd-from: cycle 1000000, and the run ends with cycle"},
       {"the last cycle there is", vcd({"--vcd-from", "18446744073709551615"}), "and the run ends with cycle"},
       {"fewer than zero cycles", vcd({"--vcd-from", "-3"}), "--vcd-from: \"-3\"; expected a whole number"},
       {"more cycles than a word holds", vcd({"--vcd-to", "18446744073709551616"}), "--vcd-to: \"18446744073709551616\""},
@@ -526,7 +526,7 @@ TEST_CASE("command line: the watchdog ends a run whose sink is never ready, and 
   for (const char* pace : {"skipping", "stepped", "checked"}) {
     const words blocked = small_run({"--set", "sink.ready=never", "--set", "watchdog.cycles=1000", "--set", "rtu.cores=2", "--pace", pace,
                                      "--log", "log.csv", "--stats", "out.json", "--image", "out.png", "--vcd", "out.vcd"});
-    check_refused(folder, {pace, blocked, "no transfer in the 1000 cycles behind cycle ", 1});
+    check_refused(folder, {pace, blocked, "no transfer in the 1000 cycles after cycle ", 1});
     const std::string chain = rtusim(folder, blocked).err;
     for (const char* link : {"core_0 waits for result_manager", "core_1 waits for result_manager", "result_manager waits for sink"})
       CHECK_THAT(chain, Catch::Contains(link));

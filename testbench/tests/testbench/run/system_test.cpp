@@ -41,7 +41,7 @@ surroundings regime(const std::string& name) {
   return s;
 }
 
-/// A run's log, as `--log` writes it, and behind it its statistics.
+/// A run's log, as `--log` writes it, and after it its statistics.
 struct outcome {
   std::string log;
   std::string statistics;
@@ -210,7 +210,7 @@ TEST_CASE("system: a run that can never finish says who waits for whom", "[syste
   s.sink.ready = sink_params::regime::blocked;
   for (const pace p : {pace::skipping, pace::stepped}) {
     const outcome o = simulate(as_built(2), s, image, jobs, p);
-    CHECK_THAT(o.log, Catch::Contains("error: no transfer in the 5000 cycles behind cycle"));
+    CHECK_THAT(o.log, Catch::Contains("error: no transfer in the 5000 cycles after cycle"));
     CHECK_THAT(o.log, Catch::Contains("job: source waits for job_manager"));
     CHECK_THAT(o.log, Catch::Contains("pending_job: job_manager waits for scheduler"));
     CHECK_THAT(o.log, Catch::Contains("core_result_0: core_0 waits for result_manager"));

@@ -336,7 +336,7 @@ TEST_CASE("sweep: a Slurm array's points, and those of one that was cancelled", 
   const fs::path home = lay_out(folder, "a 'b' \xff", "dragon_32");
   CHECK(rtusim(home, {"sweep", "sweep.toml", "--out", "whole"}).status == 0);
   fs::create_directories(folder / "bin");
-  // Runs the tasks that LAST lets it, one behind the other.
+  // Runs the tasks that LAST lets it, one after the other.
   const fs::path sbatch = folder.file("bin/sbatch", "#!/bin/sh\necho Submitted batch job 1\n"
                                                     "for i in $(seq 0 \"$(cat \"${0%/*}/last\")\"); do SLURM_ARRAY_TASK_ID=$i sh \"$2\" || exit 1; done\n");
   fs::permissions(sbatch, fs::perms::owner_all);

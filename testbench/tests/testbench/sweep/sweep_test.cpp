@@ -199,7 +199,7 @@ TEST_CASE("sweep: a point that fails is a row with its reason", "[testbench]") {
   CHECK_THAT(reasons("[axes]\n\"svo_core.stack_depth\" = [11, 2]\n"),
              Catch::StartsWith("|") && Contains("expected at most 3, for a stack of 2|"));
   CHECK_THAT(reasons("[set]\n\"watchdog.cycles\" = 1000\n[axes]\n\"sink.ready\" = [\"never\", \"always\"]\n"),
-             Contains("no transfer in the 1000 cycles behind cycle ") && Catch::EndsWith("||"));
+             Contains("no transfer in the 1000 cycles after cycle ") && Catch::EndsWith("||"));
   // It is tried again only if that is asked for, and only it; the rest is there.
   const std::string never = "[set]\n\"watchdog.cycles\" = 1000\n[axes]\n\"sink.ready\" = [\"never\", \"always\"]\n";
   CHECK_THAT(folder.sweep(header + never).out, Contains("2 points: 0 run now, 1 there before, 1 failed"));
