@@ -23,7 +23,8 @@ void scene::describe(config::schema& s) {
   s.add("scene", model, home);
   s.add("frame", picture, home);
   s.add("camera", view, home);
-  s.read_when({"camera"}, [this] { return model.rays.empty(); }, "scene.rays names no file");
+  s.read_when(
+      {"camera"}, [this] { return model.rays.empty(); }, "scene.rays names no file");
 }
 
 bool is_model(const std::filesystem::path& file) { return holds_voxels(file) || is_mesh(file); }

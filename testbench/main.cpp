@@ -145,10 +145,11 @@ void add_run(CLI::App& app, run_options& o) {
   app.add_option("--jobs", o.jobs, "rays as job packets in place of the camera's")->type_name("FILE");
   app.add_option("--save-jobs", o.save_jobs, "keep the job packets")->type_name("FILE");
   add_pace(app, o.how);
-  app.add_option("--image", o.images,
-                 fmt::format("a picture: OUT.sheet.png has all maps with legends; OUT.png is shaded; OUT.KIND.png with KIND {}; OUT.exr has all as "
-                             "float layers; may be repeated",
-                             picture_words()))
+  app.add_option(
+         "--image", o.images,
+         fmt::format("a picture: OUT.sheet.png has all maps with legends; OUT.png is shaded; OUT.KIND.png with KIND {}; OUT.exr has all as "
+                     "float layers; may be repeated",
+                     picture_words()))
       ->type_name("FILE")
       ->allow_extra_args(false);
   app.add_option("--stats", o.statistics, "all figures, JSON")->type_name("FILE");

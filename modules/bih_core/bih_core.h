@@ -76,17 +76,17 @@ class bih_core final : public unit {
   std::vector<flight> flights_;  // a ring of rays_in_flight
   unsigned oldest_ = 0;
   unsigned in_flight_ = 0;
-  bool ready_ = true;            // for a job, from the coming cycle on
-  cycle accepted_ = never;       // the last job's
-  cycle free_from_ = 0;          // the first cycle in which the machine can take the next
-  stats sums_;                   // of all jobs accepted
-  bih_outcome outcome_;          // the last job's
+  bool ready_ = true;       // for a job, from the coming cycle on
+  cycle accepted_ = never;  // the last job's
+  cycle free_from_ = 0;     // the first cycle in which the machine can take the next
+  stats sums_;              // of all jobs accepted
+  bih_outcome outcome_;     // the last job's
 
   // The state machine follows the outcome when somebody watches.
   bih_machine machine_;
   quantised_ray ray_;
-  bih_kept_registers before_;    // what the job before left, as the last one found it
-  cycle machine_edge_ = 0;       // the machine's registers stand just before this edge
+  bih_kept_registers before_;  // what the job before left, as the last one found it
+  cycle machine_edge_ = 0;     // the machine's registers stand just before this edge
   std::uint32_t job_word_ = 0;
   std::uint32_t shown_triangle_ = 0;  // the number that is issued, else 0
 };

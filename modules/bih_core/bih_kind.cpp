@@ -21,8 +21,8 @@ class bih_bank final : public typed_bank<triangle_job, triangle_job_manager, bih
                    }),
         job_latency_cycles_(triangle_job_manager::stages_of({kind.words, hierarchy.corner})) {
     for (unsigned i = 0; i < p.cores; ++i) {
-      pipelines_.push_back(std::make_unique<triangle_pipeline>(("triangle_pipeline_" + std::to_string(i)).c_str(), kind.intersector_with_words(),
-                                                               hierarchy.triangles));
+      pipelines_.push_back(std::make_unique<triangle_pipeline>(("triangle_pipeline_" + std::to_string(i)).c_str(),
+                                                               kind.intersector_with_words(), hierarchy.triangles));
       cores()[i].intersector_port(*pipelines_.back());
     }
   }
@@ -60,7 +60,8 @@ void bih_kind::describe_units(config::schema& s, const readers& r) {
   s.add("t_div", divider, r.home);
   s.add("triangle_unit", intersector, r.home);
   s.read_when({"bih_core", "t_div", "triangle_unit"}, r.is_chosen, when_chosen);
-  s.read_when({"t_div.width"}, [&alone = r.alone] { return alone == "t_div"; }, "the unit t_div is alone");
+  s.read_when(
+      {"t_div.width"}, [&alone = r.alone] { return alone == "t_div"; }, "the unit t_div is alone");
 }
 
 packet_widths bih_kind::packets() const { return {words.n + 3, words.m, words.n, words.m, words.m + words.reciprocal_bits}; }

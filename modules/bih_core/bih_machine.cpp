@@ -23,9 +23,7 @@ bih_words bih_machine::words() const {
   return {word(0, now_.address3x), word(1, now_.address3x), word(2, now_.address3x), word(3, now_.address1x)};
 }
 
-std::uint32_t bih_machine::stack_entry(unsigned stack_pos) const {
-  return memory_->stack_address() + stack_pos;
-}
+std::uint32_t bih_machine::stack_entry(unsigned stack_pos) const { return memory_->stack_address() + stack_pos; }
 
 std::int64_t bih_machine::distance_to(std::uint64_t plane, unsigned axis) const {
   const unsigned n = params_.widths.n;
@@ -55,24 +53,12 @@ void bih_machine::step() {
   if (busy_) {
     bih_visits& v = outcome_.visits;
     switch (now_.state) {
-      case bih_state::aabb:
-        ++v.aabb;
-        break;
-      case bih_state::node:
-        ++v.node;
-        break;
-      case bih_state::inner:
-        ++v.inner;
-        break;
-      case bih_state::push:
-        ++v.push;
-        break;
-      case bih_state::pop:
-        ++v.pop;
-        break;
-      case bih_state::leaf:
-        ++v.leaf;
-        break;
+      case bih_state::aabb: ++v.aabb; break;
+      case bih_state::node: ++v.node; break;
+      case bih_state::inner: ++v.inner; break;
+      case bih_state::push: ++v.push; break;
+      case bih_state::pop: ++v.pop; break;
+      case bih_state::leaf: ++v.leaf; break;
     }
     outcome_.triangles += out_.tri_en;
     outcome_.max_stack = std::max<std::uint32_t>(outcome_.max_stack, next_.stack_pos);
@@ -96,25 +82,15 @@ void bih_machine::settle() {
   out_.addr3x = now_.address3x;
   out_.addr1x = now_.address1x;
   switch (now_.state) {
-    case bih_state::aabb:
-      settle_aabb();
-      break;
-    case bih_state::node:
-      settle_node();
-      break;
-    case bih_state::inner:
-      settle_inner();
-      break;
+    case bih_state::aabb: settle_aabb(); break;
+    case bih_state::node: settle_node(); break;
+    case bih_state::inner: settle_inner(); break;
     case bih_state::push:
       out_.addr3x = now_.near_child;
       next_.state = bih_state::node;
       break;
-    case bih_state::pop:
-      settle_pop();
-      break;
-    case bih_state::leaf:
-      settle_leaf();
-      break;
+    case bih_state::pop: settle_pop(); break;
+    case bih_state::leaf: settle_leaf(); break;
   }
 }
 

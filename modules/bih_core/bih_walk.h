@@ -128,8 +128,8 @@ bih_outcome bih_walk::walk(const quantised_ray& ray, Visit& visit) {
   std::uint64_t clock = 1;
   std::uint64_t pushes = 0, leaves = 0, empty_leaves = 0;
   std::uint64_t divider_free = divider_clocks_, waits = 0;  // in LEAF, for an iterative divider
-  std::uint64_t lost = 0;            // pushed, and never popped, as a push emptied the stack
-  std::uint64_t pushes_to_wrap = 0;  // how many pushes there were then
+  std::uint64_t lost = 0;                                   // pushed, and never popped, as a push emptied the stack
+  std::uint64_t pushes_to_wrap = 0;                         // how many pushes there were then
   std::int64_t nearest = no_hit;
   std::size_t known = 0;
   if constexpr (EarlyOut) results_.clear();

@@ -9,7 +9,8 @@ namespace rtusim::config {
 /// The ending of a file's name in lower case, its point included: `.svo` of `A.SVO`; empty without one.
 inline std::string ending_of(const std::filesystem::path& file) {
   std::string ending = file.extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(), [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+  std::transform(ending.begin(), ending.end(), ending.begin(),
+                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
   return ending;
 }
 

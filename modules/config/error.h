@@ -33,10 +33,9 @@ template <class A, class B>
 }  // namespace rtusim
 
 /// An invariant of the model, `RTU_CHECK(a, ==, b)`: also on in Release, prints both values.
-#define RTU_CHECK(a, op, b)                                                                \
-  do {                                                                                     \
-    const auto& rtu_check_a = (a);                                                         \
-    const auto& rtu_check_b = (b);                                                         \
-    if (!(rtu_check_a op rtu_check_b))                                                     \
-      ::rtusim::detail::check_failed(__FILE__, __LINE__, #a " " #op " " #b, rtu_check_a, rtu_check_b); \
+#define RTU_CHECK(a, op, b)                                                                                                             \
+  do {                                                                                                                                  \
+    const auto& rtu_check_a = (a);                                                                                                      \
+    const auto& rtu_check_b = (b);                                                                                                      \
+    if (!(rtu_check_a op rtu_check_b)) ::rtusim::detail::check_failed(__FILE__, __LINE__, #a " " #op " " #b, rtu_check_a, rtu_check_b); \
   } while (false)

@@ -170,7 +170,8 @@ std::FILE* stream_beside(const std::vector<fs::path>& outputs) {
 
 void check_writable(const fs::path& file) {
   struct stat found {};
-  const bool is_direct = descriptor_named(file) || (::stat(file.c_str(), &found) == 0 && !S_ISREG(found.st_mode) && !S_ISDIR(found.st_mode));
+  const bool is_direct =
+      descriptor_named(file) || (::stat(file.c_str(), &found) == 0 && !S_ISREG(found.st_mode) && !S_ISDIR(found.st_mode));
   if (!is_direct) output_file{file};
 }
 

@@ -61,7 +61,9 @@ std::vector<fs::path> input_ledger::names() const {
 }
 
 void input_ledger::note(const input_file& f) {
-  const auto is_same = [&](const input_file& other) { return other.file == f.file && other.canonical == f.canonical && other.sha256 == f.sha256; };
+  const auto is_same = [&](const input_file& other) {
+    return other.file == f.file && other.canonical == f.canonical && other.sha256 == f.sha256;
+  };
   if (std::none_of(files_.begin(), files_.end(), is_same)) files_.push_back(f);
 }
 

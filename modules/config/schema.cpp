@@ -27,7 +27,9 @@ constexpr std::size_t most_toml_bytes = std::size_t{1} << 20;
 constexpr std::size_t most_shown_bytes = 60;
 
 template <class... F>
-struct overloaded : F... { using F::operator()...; };
+struct overloaded : F... {
+  using F::operator()...;
+};
 template <class... F>
 overloaded(F...) -> overloaded<F...>;
 
@@ -102,10 +104,14 @@ ordered_json outline(const nlohmann::json& value, bool inner = false) {
 
 std::string show(const toml::node& node) {
   std::ostringstream text;
-  if (const auto* v = node.as_date()) text << *v;
-  else if (const auto* w = node.as_time()) text << *w;
-  else if (const auto* x = node.as_date_time()) text << *x;
-  else return show(outline(node));
+  if (const auto* v = node.as_date())
+    text << *v;
+  else if (const auto* w = node.as_time())
+    text << *w;
+  else if (const auto* x = node.as_date_time())
+    text << *x;
+  else
+    return show(outline(node));
   return text.str();
 }
 
@@ -127,26 +133,29 @@ std::string number_text(std::string_view noun, const range<T>& limits, const std
 /// What values a parameter takes: "a whole number from 1 to 1024 cores".
 std::string values_text(const parameter& p) {
   return std::visit(overloaded{
-      [&](const unsigned_slot& s) {
-        return number_text("a whole number", s.limits, p.unit) + (s.is_word != nullptr ? fmt::format(" or {}", s.word) : "");
-      },
-      [&](const flag_slot&) { return std::string("true or false"); },
-      [&](const real_slot& s) { return number_text("a finite number", s.limits, p.unit); },
-      [&](const text_slot&) { return std::string("a text in quotes"); },
-      [&](const vector_slot& s) { return number_text("an array of three finite numbers", s.limits, p.unit); },
-      [&](const choice_slot& s) { return alternatives(s.words); },
-  }, p.slot);
+                        [&](const unsigned_slot& s) {
+                          return number_text("a whole number", s.limits, p.unit) +
+                                 (s.is_word != nullptr ? fmt::format(" or {}", s.word) : "");
+                        },
+                        [&](const flag_slot&) { return std::string("true or false"); },
+                        [&](const real_slot& s) { return number_text("a finite number", s.limits, p.unit); },
+                        [&](const text_slot&) { return std::string("a text in quotes"); },
+                        [&](const vector_slot& s) { return number_text("an array of three finite numbers", s.limits, p.unit); },
+                        [&](const choice_slot& s) { return alternatives(s.words); },
+                    },
+                    p.slot);
 }
 
 ordered_json value_of(const parameter& p) {
   return std::visit(overloaded{
-      [](const unsigned_slot& s) -> ordered_json {
-        if (s.is_word != nullptr && *s.is_word) return s.word;
-        return s.get(s.at);
-      },
-      [](const choice_slot& s) -> ordered_json { return s.words.at(s.get()); },
-      [](const auto& s) -> ordered_json { return *s.at; },
-  }, p.slot);
+                        [](const unsigned_slot& s) -> ordered_json {
+                          if (s.is_word != nullptr && *s.is_word) return s.word;
+                          return s.get(s.at);
+                        },
+                        [](const choice_slot& s) -> ordered_json { return s.words.at(s.get()); },
+                        [](const auto& s) -> ordered_json { return *s.at; },
+                    },
+                    p.slot);
 }
 
 std::optional<std::uint64_t> whole_number(const ordered_json& value) {
@@ -175,47 +184,48 @@ bool is_plain_text(const ordered_json& value) {
 /// Stores `value` if the parameter takes it.
 bool store(const parameter& p, const ordered_json& value) {
   return std::visit(overloaded{
-      [&](const unsigned_slot& s) {
-        const bool is_word = s.is_word != nullptr && value.is_string() && value.get_ref<const std::string&>() == s.word;
-        const auto v = whole_number(value);
-        if (!is_word && (!v || *v < s.limits.least || *v > s.limits.most)) return false;
-        if (s.is_word != nullptr) *s.is_word = is_word;
-        if (!is_word) s.set(s.at, *v);
-        return true;
-      },
-      [&](const flag_slot& s) {
-        if (value.is_boolean()) *s.at = value.get<bool>();
-        return value.is_boolean();
-      },
-      [&](const real_slot& s) {
-        const auto v = real_number(value, s.limits);
-        if (v) *s.at = *v;
-        return v.has_value();
-      },
-      [&](const text_slot& s) {
-        if (!is_plain_text(value)) return false;
-        *s.at = value.get<std::string>();
-        return true;
-      },
-      [&](const vector_slot& s) {
-        if (!value.is_array() || value.size() != s.at->size()) return false;
-        std::array<double, 3> read{};
-        for (std::size_t i = 0; i < read.size(); ++i) {
-          const auto v = real_number(value[i], s.limits);
-          if (!v) return false;
-          read[i] = *v;
-        }
-        *s.at = read;
-        return true;
-      },
-      [&](const choice_slot& s) {
-        if (!value.is_string()) return false;
-        const auto word = std::find(s.words.begin(), s.words.end(), value.get_ref<const std::string&>());
-        if (word == s.words.end()) return false;
-        s.set(static_cast<unsigned>(word - s.words.begin()));
-        return true;
-      },
-  }, p.slot);
+                        [&](const unsigned_slot& s) {
+                          const bool is_word = s.is_word != nullptr && value.is_string() && value.get_ref<const std::string&>() == s.word;
+                          const auto v = whole_number(value);
+                          if (!is_word && (!v || *v < s.limits.least || *v > s.limits.most)) return false;
+                          if (s.is_word != nullptr) *s.is_word = is_word;
+                          if (!is_word) s.set(s.at, *v);
+                          return true;
+                        },
+                        [&](const flag_slot& s) {
+                          if (value.is_boolean()) *s.at = value.get<bool>();
+                          return value.is_boolean();
+                        },
+                        [&](const real_slot& s) {
+                          const auto v = real_number(value, s.limits);
+                          if (v) *s.at = *v;
+                          return v.has_value();
+                        },
+                        [&](const text_slot& s) {
+                          if (!is_plain_text(value)) return false;
+                          *s.at = value.get<std::string>();
+                          return true;
+                        },
+                        [&](const vector_slot& s) {
+                          if (!value.is_array() || value.size() != s.at->size()) return false;
+                          std::array<double, 3> read{};
+                          for (std::size_t i = 0; i < read.size(); ++i) {
+                            const auto v = real_number(value[i], s.limits);
+                            if (!v) return false;
+                            read[i] = *v;
+                          }
+                          *s.at = read;
+                          return true;
+                        },
+                        [&](const choice_slot& s) {
+                          if (!value.is_string()) return false;
+                          const auto word = std::find(s.words.begin(), s.words.end(), value.get_ref<const std::string&>());
+                          if (word == s.words.end()) return false;
+                          s.set(static_cast<unsigned>(word - s.words.begin()));
+                          return true;
+                        },
+                    },
+                    p.slot);
 }
 
 /// ", or did you mean WORD?" for a misspelt choice, else nothing.
@@ -242,8 +252,10 @@ std::vector<std::string> wrapped(const std::string& text, std::size_t width) {
   std::vector<std::string> lines;
   std::istringstream words(text);
   for (std::string word; words >> word;) {
-    if (lines.empty() || lines.back().size() + 1 + word.size() > width) lines.push_back(word);
-    else lines.back() += ' ' + word;
+    if (lines.empty() || lines.back().size() + 1 + word.size() > width)
+      lines.push_back(word);
+    else
+      lines.back() += ' ' + word;
   }
   return lines;
 }
@@ -255,7 +267,7 @@ struct schema::assignment {
   std::string key;     // as it was written
   std::string target;  // the key or alias of its parameter: `key`, except for a field of an entry
   ordered_json value;
-  std::string shown;   // the value as a message shows it
+  std::string shown;  // the value as a message shows it
   std::string place;
 };
 
@@ -383,8 +395,10 @@ void schema::read_json(const nlohmann::json& values, const std::string& place) {
     assignments.push_back({key, key, kept, show(kept), place});
   };
   for (const auto& [name, fields] : values.items()) {
-    if (!fields.is_object() || fields.empty()) add(component(name), fields);
-    else for (const auto& [field, value] : fields.items()) add(component(name) + '.' + component(field), value);
+    if (!fields.is_object() || fields.empty())
+      add(component(name), fields);
+    else
+      for (const auto& [field, value] : fields.items()) add(component(name) + '.' + component(field), value);
   }
   apply(std::move(assignments), nullptr);
 }
@@ -546,7 +560,10 @@ std::string schema::explain_all_with(std::string_view part) const {
 }
 
 std::string schema::page(const std::function<bool(std::string_view)>& is_wanted) const {
-  struct row { std::string key, preset; std::vector<std::string> texts; };
+  struct row {
+    std::string key, preset;
+    std::vector<std::string> texts;
+  };
   std::vector<row> rows{{"key", "default", {"values, meaning, and when it is read"}}};
   std::vector<std::string> errata;
   for (const auto& s : sections_)
@@ -565,8 +582,8 @@ std::string schema::page(const std::function<bool(std::string_view)>& is_wanted)
       if (!p.read_when.empty()) rows.back().texts.push_back("read only when " + p.read_when);
     }
   if (!errata.empty() && is_wanted(all_errata))
-    rows.push_back({std::string(all_errata), "",
-                    {"true or false", fmt::format("sets {}; one named by itself wins", fmt::join(errata, ", "))}});
+    rows.push_back(
+        {std::string(all_errata), "", {"true or false", fmt::format("sets {}; one named by itself wins", fmt::join(errata, ", "))}});
   if (rows.size() == 1) return {};
 
   constexpr std::size_t page_columns = 100, most_preset_columns = 24;

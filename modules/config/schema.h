@@ -76,8 +76,14 @@ class schema {
   const std::list<section>& sections() const { return sections_; }
 
  private:
-  struct origin { std::string place; std::string key; };  // where a value was given: "a.toml:7" or "--set"
-  struct entry { std::map<std::string, std::string> fields; std::string why_one; };
+  struct origin {
+    std::string place;
+    std::string key;
+  };  // where a value was given: "a.toml:7" or "--set"
+  struct entry {
+    std::map<std::string, std::string> fields;
+    std::string why_one;
+  };
   struct assignment;
   struct toml_reader;
   section& place_for(std::string_view name, std::string_view after);

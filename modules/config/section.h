@@ -40,16 +40,26 @@ struct unsigned_slot {
   std::string_view word;    ///< what may stand in place of a number: `auto`; empty: nothing may
   bool* is_word = nullptr;  ///< whether it does
 };
-struct flag_slot { bool* at; };
-struct real_slot { double* at; range<double> limits; };
-struct text_slot { std::string* at; };
-struct vector_slot { std::array<double, 3>* at; range<double> limits; };
+struct flag_slot {
+  bool* at;
+};
+struct real_slot {
+  double* at;
+  range<double> limits;
+};
+struct text_slot {
+  std::string* at;
+};
+struct vector_slot {
+  std::array<double, 3>* at;
+  range<double> limits;
+};
 
 /// One parameter: a described field of a unit's `params`.
 struct parameter {
-  std::string key;          ///< `scheduler.policy`
-  std::string alias;        ///< `errata.NAME` for an erratum, else empty
-  std::string unit;         ///< `cycles`, `MHz`; empty for a pure number
+  std::string key;    ///< `scheduler.policy`
+  std::string alias;  ///< `errata.NAME` for an erratum, else empty
+  std::string unit;   ///< `cycles`, `MHz`; empty for a pure number
   std::string meaning;
   std::variant<unsigned_slot, flag_slot, real_slot, text_slot, vector_slot, choice_slot> slot;
   std::function<bool()> is_read;  ///< whether the design as it now stands reads this value; empty: always
@@ -93,7 +103,11 @@ class section {
     limits.most = std::min<std::uint64_t>(limits.most, std::numeric_limits<Unsigned>::max());
     return add(field, unit, meaning,
                unsigned_slot{[](const void* p) -> std::uint64_t { return *static_cast<const Unsigned*>(p); },
-                             [](void* p, std::uint64_t v) { *static_cast<Unsigned*>(p) = static_cast<Unsigned>(v); }, &at, limits, {}, nullptr});
+                             [](void* p, std::uint64_t v) { *static_cast<Unsigned*>(p) = static_cast<Unsigned>(v); },
+                             &at,
+                             limits,
+                             {},
+                             nullptr});
   }
   parameter& flag(std::string_view field, bool& at, std::string_view meaning) { return add(field, "", meaning, flag_slot{&at}); }
   parameter& real(std::string_view field, double& at, range<double> limits, std::string_view unit, std::string_view meaning) {
@@ -107,9 +121,9 @@ class section {
   /// One of `words`: an enumeration, or an index.
   template <class Enum>
   parameter& choice(std::string_view field, Enum& at, word_list words, std::string_view meaning) {
-    return add(field, "", meaning,
-               choice_slot{std::move(words), [&at] { return static_cast<unsigned>(at); },
-                           [&at](unsigned i) { at = static_cast<Enum>(i); }});
+    return add(
+        field, "", meaning,
+        choice_slot{std::move(words), [&at] { return static_cast<unsigned>(at); }, [&at](unsigned i) { at = static_cast<Enum>(i); }});
   }
   /// A switch between what was built (true) and what is right (false, the default); `errata.NAME` is its alias.
   parameter& erratum(std::string_view field, bool& at, std::string_view as_built, std::string_view right) {

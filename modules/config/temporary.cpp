@@ -177,7 +177,8 @@ void remove_leftovers(const fs::path& folder) {
     const std::string name = i->path().filename().string();
     const std::string_view mark = mark_in(name);
     std::error_code ignored;
-    if (!mark.empty() && i->symlink_status(ignored).type() == fs::file_type::regular && is_of_dead_process(mark)) fs::remove(i->path(), ignored);
+    if (!mark.empty() && i->symlink_status(ignored).type() == fs::file_type::regular && is_of_dead_process(mark))
+      fs::remove(i->path(), ignored);
   }
 }
 

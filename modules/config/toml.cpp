@@ -20,8 +20,10 @@ void check_dotted_keys(std::string_view text, const std::string& place) {
       const std::string three(3, c);
       const bool triple = text.substr(i, 3) == three;
       for (i += triple ? 3 : 1; i < text.size(); ++i) {
-        if (text[i] == '\\' && c == '"') ++i;
-        else if (triple ? text.substr(i, 3) == three : text[i] == c || text[i] == '\n') break;
+        if (text[i] == '\\' && c == '"')
+          ++i;
+        else if (triple ? text.substr(i, 3) == three : text[i] == c || text[i] == '\n')
+          break;
       }
       for (unsigned n = 1; triple && n < 5 && i + 1 < text.size() && text[i + 1] == c; ++n) ++i;  // two may precede the closing three
     } else if (c == '#') {
@@ -45,7 +47,8 @@ toml::table parse_toml(std::string_view text, const std::string& place) {
   } catch (const toml::parse_error& e) {
     const auto at = e.source().begin;
     std::string found(e.description());  // may quote a control character of the text
-    std::replace_if(found.begin(), found.end(), [](char c) { return (c >= '\0' && c < ' ') || c == '\x7f'; }, ' ');
+    std::replace_if(
+        found.begin(), found.end(), [](char c) { return (c >= '\0' && c < ' ') || c == '\x7f'; }, ' ');
     throw input_error(fmt::format("{}:{}:{}", place, at.line, at.column), found, "valid TOML");
   } catch (const std::logic_error& e) {
     throw input_error(place, e.what(), "valid TOML");

@@ -30,9 +30,9 @@ class core_kind {
 
   /// When a design reads parameters.
   struct readers {
-    std::string_view home;          ///< the kind of file that they stand in
+    std::string_view home;            ///< the kind of file that they stand in
     std::function<bool()> is_chosen;  ///< the design's cores, or the unit that is alone, are of this kind
-    const std::string& alone;       ///< the unit that is benched alone; empty: a whole RTU
+    const std::string& alone;         ///< the unit that is benched alone; empty: a whole RTU
   };
   /// Add the sections for formats of numbers, for the kind's units and for its memories. The object must then stay where it is.
   virtual void describe_formats(config::schema& s, const readers& r) = 0;

@@ -25,9 +25,7 @@ struct word_range {
   bool is_signed;
 };
 
-std::string described(const word_range& range) {
-  return fmt::format("{} bits{}", range.bits, range.is_signed ? ", signed" : "");
-}
+std::string described(const word_range& range) { return fmt::format("{} bits{}", range.bits, range.is_signed ? ", signed" : ""); }
 
 /// The lines of one of the files, as words.
 class word_file {
@@ -120,9 +118,7 @@ struct extent {
   std::array<std::uint8_t, 8> stack_entries{};  // by the signs of the ray's direction: bit i set where it points down axis i
 };
 
-std::uint64_t capped_sum(std::uint64_t a, std::uint64_t b) {
-  return std::min(a + b, std::numeric_limits<std::uint64_t>::max() / 4);
-}
+std::uint64_t capped_sum(std::uint64_t a, std::uint64_t b) { return std::min(a + b, std::numeric_limits<std::uint64_t>::max() / 4); }
 
 class checker {
  public:

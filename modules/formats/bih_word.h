@@ -48,8 +48,8 @@ constexpr bih_words make_leaf(std::uint32_t first, std::uint32_t triangles) {
 
 /// What the core keeps of a child that it visits later.
 struct bih_stack_entry {
-  std::uint32_t far = 0;   ///< the node
-  std::int64_t tmin = 0;   ///< 63 bits, signed
+  std::uint32_t far = 0;  ///< the node
+  std::int64_t tmin = 0;  ///< 63 bits, signed
   std::int64_t tmax = 0;
 };
 

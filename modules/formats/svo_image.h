@@ -45,15 +45,15 @@ inline std::uint64_t child_group(const svo_image& image, std::uint64_t entry) {
 
 /// The size and contents of an image.
 struct svo_summary {
-  unsigned levels = 0;             ///< of descriptors: the finest voxels have an edge of 2^-levels of the root cube's
+  unsigned levels = 0;  ///< of descriptors: the finest voxels have an edge of 2^-levels of the root cube's
   std::uint64_t bytes = 0;
-  std::uint64_t nodes = 0;         ///< descriptor words that the root leads to
-  std::uint64_t far_words = 0;     ///< words that hold the offset of a far pointer
-  std::uint64_t leaves = 0;        ///< leaf bits of these descriptors; a shared subtree's count once
-  std::uint64_t filled_voxels = 0; ///< finest voxels inside of leaves; a shared subtree's count wherever it appears
-  double filled_share = 0;         ///< of the root cube's volume
-  std::array<double, 3> lower{};   ///< corners of the least box around all that is filled, x to z, in edges of the root cube: 0 to 1.
-  std::array<double, 3> upper{};   ///< Both 0 if nothing is
+  std::uint64_t nodes = 0;          ///< descriptor words that the root leads to
+  std::uint64_t far_words = 0;      ///< words that hold the offset of a far pointer
+  std::uint64_t leaves = 0;         ///< leaf bits of these descriptors; a shared subtree's count once
+  std::uint64_t filled_voxels = 0;  ///< finest voxels inside of leaves; a shared subtree's count wherever it appears
+  double filled_share = 0;          ///< of the root cube's volume
+  std::array<double, 3> lower{};    ///< corners of the least box around all that is filled, x to z, in edges of the root cube: 0 to 1.
+  std::array<double, 3> upper{};    ///< Both 0 if nothing is
 };
 
 /// Errors: input_error as `check_svo`.

@@ -12,9 +12,9 @@ namespace rtusim {
 
 /// How often a ray's words could not be kept.
 struct ray_setup_stats {
-  std::uint64_t missed_box = 0;        ///< rays that do not meet the scene's box
-  std::uint64_t clipped = 0;           ///< rays that begin outside and were moved to the box
-  std::uint64_t flat_components = 0;   ///< direction components of 0, whose reciprocal is the greatest word
+  std::uint64_t missed_box = 0;       ///< rays that do not meet the scene's box
+  std::uint64_t clipped = 0;          ///< rays that begin outside and were moved to the box
+  std::uint64_t flat_components = 0;  ///< direction components of 0, whose reciprocal is the greatest word
   numeric::float_to_fixed_stats conversion;
 
   ray_setup_stats& operator+=(const ray_setup_stats& s);

@@ -8,9 +8,7 @@ namespace rtusim::numeric {
 
 /// How a divider spends its clocks: one stage a bit, or one stage that does one bit a clock.
 enum class divider_kind : std::uint8_t { pipelined, iterative };
-inline config::word_list divider_words() {
-  return {"pipelined", "iterative"};
-}
+inline config::word_list divider_words() { return {"pipelined", "iterative"}; }
 
 inline constexpr unsigned least_divider_width = 4, most_divider_width = 64;
 

@@ -74,7 +74,9 @@ channel_base& scheduler<Job>::pass(cycle c) {
 }
 
 template <class Job>
-bool scheduler<Job>::points_at(unsigned which, cycle c) const { return selected(c) == which; }
+bool scheduler<Job>::points_at(unsigned which, cycle c) const {
+  return selected(c) == which;
+}
 
 template <class Job>
 bool scheduler<Job>::level(const channel_base& port) const {
@@ -84,10 +86,14 @@ bool scheduler<Job>::level(const channel_base& port) const {
 }
 
 template <class Job>
-void scheduler<Job>::settle_registers() { shown_select_ = selected(next_edge()); }
+void scheduler<Job>::settle_registers() {
+  shown_select_ = selected(next_edge());
+}
 
 template <class Job>
-void scheduler<Job>::trace(waveform& w) const { w.add(shown_select_, std::string(name()) + ".select", 16); }
+void scheduler<Job>::trace(waveform& w) const {
+  w.add(shown_select_, std::string(name()) + ".select", 16);
+}
 
 void scheduler_params::describe(config::section& s) {
   const auto meanings = scheduler_policies::meanings();

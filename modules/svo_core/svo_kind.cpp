@@ -18,8 +18,9 @@ class svo_bank final : public typed_bank<traversal_job, job_manager, svo_core> {
 
  private:
   svo_bank(const svo_kind& kind, const bank_params& p, std::unique_ptr<memory> words)
-      : typed_bank(kind.word(), kind.jobs(), p,
-                   [params = kind.core_with_format()](const char* n, std::size_t i) { return new svo_core(n, params, static_cast<unsigned>(i)); }),
+      : typed_bank(
+            kind.word(), kind.jobs(), p,
+            [params = kind.core_with_format()](const char* n, std::size_t i) { return new svo_core(n, params, static_cast<unsigned>(i)); }),
         memory_(std::move(words)) {
     for (auto& core : cores()) core.memory_port(*memory_);
   }

@@ -189,9 +189,10 @@ svo_visits visits_of_sums(std::uint64_t rays, std::uint64_t cost, std::uint64_t 
 
 simulation_error svo_stack_overflow(const std::string& core, unsigned stack_depth, std::uint32_t sequence, std::uint32_t job_word,
                                     std::uint64_t cycle) {
-  return simulation_error(fmt::format("{}: the stack of {} frames overflows on job {} (word {:#x}), accepted in cycle {}: "
-                                      "set svo_core.stack_depth to the model's depth",
-                                      core, stack_depth, sequence, job_word, cycle));
+  return simulation_error(
+      fmt::format("{}: the stack of {} frames overflows on job {} (word {:#x}), accepted in cycle {}: "
+                  "set svo_core.stack_depth to the model's depth",
+                  core, stack_depth, sequence, job_word, cycle));
 }
 
 void svo_result_registers::take(const svo_outcome& o, unsigned direction_bits, const svo_core_params& p) {

@@ -63,9 +63,9 @@ class svo_machine {
   word_view memory_;
   registers now_;
   bool root_missed_ = false;
-  std::uint32_t group_ = 0;        // register of the child group's address, far: of the far word
+  std::uint32_t group_ = 0;  // register of the child group's address, far: of the far word
   bool far_pending_ = false;
-  std::uint32_t descriptor_ = 0;   // kept where the popcount is right behind a far word
+  std::uint32_t descriptor_ = 0;  // kept where the popcount is right behind a far word
   bool overflowed_ = false;
   std::array<frame, most_stack_frames> stack_{};
   svo_visits visits_;

@@ -33,15 +33,15 @@ struct svo_core_params {
 /// What a ray's traversal comes to.
 struct svo_outcome {
   std::uint32_t job_word = 0;
-  std::uint32_t cost = 0;         ///< clocks in INIT, EVAL, NEXT, PUSH and POP
+  std::uint32_t cost = 0;  ///< clocks in INIT, EVAL, NEXT, PUSH and POP
   std::uint32_t pushes = 0;
-  std::uint32_t entry = 0;        ///< word of the cube whose child was looked at last
-  std::int64_t t_hit = 0;         ///< of a hit
+  std::uint32_t entry = 0;  ///< word of the cube whose child was looked at last
+  std::int64_t t_hit = 0;   ///< of a hit
   bool hit = false;
-  bool overflow = false;          ///< the stack has no room for a frame: no outcome
-  std::uint8_t child = 0;         ///< the child that was looked at last: bit i set for the upper half on axis i, mirrored by `a`
-  std::uint8_t depth = 0;         ///< frames on the stack at the end
-  std::int8_t axis = no_axis;     ///< of a hit
+  bool overflow = false;       ///< the stack has no room for a frame: no outcome
+  std::uint8_t child = 0;      ///< the child that was looked at last: bit i set for the upper half on axis i, mirrored by `a`
+  std::uint8_t depth = 0;      ///< frames on the stack at the end
+  std::int8_t axis = no_axis;  ///< of a hit
 };
 
 /// Clocks by state of a whole traversal. They follow from its cost, its pushes and how it ended.

@@ -87,7 +87,7 @@ init:
     }
   }
 
-eval: {
+eval : {
   const unsigned m = smallest(c1);
   const unsigned slot = child ^ a;
   if ((word >> (8 + slot) & 1) != 0 && (Behind || c1[m] > 0)) {
@@ -187,7 +187,6 @@ auto choose(const svo_core_params& p) {
 
 }  // namespace
 
-svo_walk::svo_walk(const svo_core_params& p)
-    : params_(p), walk_(choose<false>(p)), walk_to_cube_(choose<true>(p)) {}
+svo_walk::svo_walk(const svo_core_params& p) : params_(p), walk_(choose<false>(p)), walk_to_cube_(choose<true>(p)) {}
 
 }  // namespace rtusim

@@ -20,9 +20,9 @@ class clock_domain;
 
 /// Bits of the packets' words, as which a waveform shows them.
 struct packet_widths {
-  unsigned t = 32;           ///< t of jobs and results
-  unsigned uv = 0;           ///< u and v of results; 0: the cores are no triangle cores
-  unsigned position = 0;     ///< of triangle jobs
+  unsigned t = 32;        ///< t of jobs and results
+  unsigned uv = 0;        ///< u and v of results; 0: the cores are no triangle cores
+  unsigned position = 0;  ///< of triangle jobs
   unsigned direction = 0;
   unsigned reciprocal = 0;
 };
@@ -78,9 +78,9 @@ class waveform {
   packet_widths widths_;
   std::optional<config::output_file> output_;
   std::vector<traced> variables_;  // the first is `clock_`
-  fmt::memory_buffer text_;  // to be written
-  std::uint64_t fall_ = 0;  // of the cycle that was shown last: its middle, in picoseconds,
-  std::uint64_t end_ = 0;   // and its end
+  fmt::memory_buffer text_;        // to be written
+  std::uint64_t fall_ = 0;         // of the cycle that was shown last: its middle, in picoseconds,
+  std::uint64_t end_ = 0;          // and its end
   bool recorded_ = false;
   bool clock_ = false;
   std::uint64_t cycle_ = 0;

@@ -131,7 +131,8 @@ bool triangle_intersector::surely_misses(const plane_terms& plane, const per_axi
   if (plane.num == -(std::int64_t{4} << n_)) return false;
   const auto real = [](std::int64_t word) { return static_cast<double>(word); };
   const double t = real(plane.num) / real(plane.den);  // in units of 2^(m-1) grid units
-  const double k_p = real(position[p] - triangle.pp) + t * real(direction[p]), k_q = real(position[q] - triangle.pq) + t * real(direction[q]);
+  const double k_p = real(position[p] - triangle.pp) + t * real(direction[p]),
+               k_q = real(position[q] - triangle.pq) + t * real(direction[q]);
   if (!(std::max(std::fabs(k_p), std::fabs(k_q)) < k_limit_)) return false;
   const double e1p = real(triangle.e1p), e1q = real(triangle.e1q), e2p = real(triangle.e2p), e2q = real(triangle.e2q);
   const double u = e1p * k_q - e1q * k_p, v = e2q * k_p - e2p * k_q;

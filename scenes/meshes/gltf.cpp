@@ -254,11 +254,12 @@ struct component {
 };
 template <class Number>
 constexpr component component_as(std::uint64_t code, double greatest) {
-  return {code, sizeof(Number), greatest, [](std::string_view bytes, std::size_t at) { return static_cast<double>(binary_value<Number>(bytes, at, false)); }};
+  return {code, sizeof(Number), greatest,
+          [](std::string_view bytes, std::size_t at) { return static_cast<double>(binary_value<Number>(bytes, at, false)); }};
 }
-constexpr component components[] = {component_as<std::int8_t>(5120, 127),    component_as<std::uint8_t>(5121, 255),
-                                    component_as<std::int16_t>(5122, 32767), component_as<std::uint16_t>(5123, 65535),
-                                    component_as<std::uint32_t>(5125, 4294967295.0), component_as<float>(5126, 1)};
+constexpr component components[] = {
+    component_as<std::int8_t>(5120, 127),     component_as<std::uint8_t>(5121, 255),           component_as<std::int16_t>(5122, 32767),
+    component_as<std::uint16_t>(5123, 65535), component_as<std::uint32_t>(5125, 4294967295.0), component_as<float>(5126, 1)};
 constexpr std::uint64_t component_float = 5126;
 
 const component& component_of(const object& o) {
@@ -272,13 +273,20 @@ const component& component_of(const object& o) {
 class accessor {
  public:
   accessor(const object& gltf, std::size_t index, buffer_store& buffers)
-      : gltf_(gltf), buffers_(buffers), own_(gltf.child("accessors", index)), component_(component_of(own_)),
-        count_(own_.number("count", 1, most_number)), type_(own_.text("type")), normalised_(own_.flag("normalized") && component_.code != component_float) {
+      : gltf_(gltf),
+        buffers_(buffers),
+        own_(gltf.child("accessors", index)),
+        component_(component_of(own_)),
+        count_(own_.number("count", 1, most_number)),
+        type_(own_.text("type")),
+        normalised_(own_.flag("normalized") && component_.code != component_float) {
     if (type_ != "SCALAR" && type_ != "VEC3") return;  // which the caller refuses
     size_ = (type_ == "SCALAR" ? 1 : 3) * component_.bytes;
-    if (own_.has("bufferView")) std::tie(bytes_, stride_) = elements(own_, count_, size_);
+    if (own_.has("bufferView"))
+      std::tie(bytes_, stride_) = elements(own_, count_, size_);
     else if (count_ > most_without_bytes)
-      throw input_error(own_.place(), fmt::format("{} elements without a bufferView", count_), fmt::format("at most {}", most_without_bytes));
+      throw input_error(own_.place(), fmt::format("{} elements without a bufferView", count_),
+                        fmt::format("at most {}", most_without_bytes));
     if (own_.has("sparse")) read_sparse();
   }
 
@@ -309,7 +317,8 @@ class accessor {
     const std::string_view buffer = buffers_[view.index("buffer", gltf_.size("buffers"))];
     const std::uint64_t from = view.number("byteOffset", 0, most_number, 0), length = view.number("byteLength", 1, most_number);
     if (from + length > buffer.size())
-      throw input_error(view.place(), fmt::format("bytes {} to {}", from, from + length), fmt::format("some of the buffer's {}", buffer.size()));
+      throw input_error(view.place(), fmt::format("bytes {} to {}", from, from + length),
+                        fmt::format("some of the buffer's {}", buffer.size()));
     const std::uint64_t stride = view.number("byteStride", size, 252, size), offset = o.number("byteOffset", 0, most_number, 0);
     if (const std::uint64_t needed = offset + (count - 1) * stride + size; needed > length)
       throw input_error(o.place(), fmt::format("{} bytes", needed), fmt::format("at most the {} of its bufferView", length));
@@ -339,8 +348,8 @@ class accessor {
   std::string type_;
   bool normalised_;
   std::size_t size_ = 0, stride_ = 0;
-  std::string_view bytes_;   // from the first element on; none if all begin as 0
-  std::string_view values_;  // of the elements replaced
+  std::string_view bytes_;                                       // from the first element on; none if all begin as 0
+  std::string_view values_;                                      // of the elements replaced
   std::vector<std::pair<std::uint64_t, std::size_t>> replaced_;  // which, in their order, and by which value
 };
 
@@ -358,7 +367,10 @@ class gltf_parser {
       throw input_error(asset.place("version"), quotation(version), "glTF 2.0");
     check_extensions();
     read_trees();
-    struct visit { std::size_t node; glm::dmat4 transform; };
+    struct visit {
+      std::size_t node;
+      glm::dmat4 transform;
+    };
     std::vector<visit> open;
     const std::vector<std::size_t> roots = scene_nodes();
     for (auto n = roots.rbegin(); n != roots.rend(); ++n) open.push_back({*n, glm::dmat4(1.0)});
@@ -378,7 +390,8 @@ class gltf_parser {
   void check_extensions() {
     for (const json& name : gltf_.array("extensionsRequired")) {
       const std::string text = name.is_string() ? name.get<std::string>() : std::string();
-      if (text == "KHR_mesh_quantization") quantised_ = true;
+      if (text == "KHR_mesh_quantization")
+        quantised_ = true;
       else if (text.rfind("KHR_materials_", 0) != 0 && text.rfind("KHR_texture_", 0) != 0)
         throw input_error(gltf_.place("extensionsRequired"), shown(name), "a glTF without such an extension");
     }
@@ -392,7 +405,8 @@ class gltf_parser {
     for (std::size_t n = 0; n < none; ++n) {
       children_[n] = gltf_.child("nodes", n).indices("children", none);
       for (const std::size_t child : children_[n]) {
-        if (parents_[child] != none) throw input_error(gltf_.place(), fmt::format("node {} has two parents", child), "nodes that form trees");
+        if (parents_[child] != none)
+          throw input_error(gltf_.place(), fmt::format("node {} has two parents", child), "nodes that form trees");
         parents_[child] = n;
       }
     }
@@ -468,7 +482,8 @@ class gltf_parser {
       if (weights[t] == 0 || !target.has("POSITION")) continue;
       moves.emplace_back(weights[t], positions_of(target, "VEC3 of binary32 (5126)"));
       if (moves.back().second.count() != positions.count())
-        throw input_error(target.place("POSITION"), fmt::format("{} positions", moves.back().second.count()), fmt::format("{}", positions.count()));
+        throw input_error(target.place("POSITION"), fmt::format("{} positions", moves.back().second.count()),
+                          fmt::format("{}", positions.count()));
     }
 
     std::vector<std::uint32_t> used = corners;
@@ -488,7 +503,8 @@ class gltf_parser {
     for (std::size_t c = 0; c < corners.size(); c += 3) {
       std::array<std::uint32_t, 3> face;
       for (std::size_t k = 0; k < 3; ++k)
-        face[k] = static_cast<std::uint32_t>(first + static_cast<std::size_t>(std::lower_bound(used.begin(), used.end(), corners[c + k]) - used.begin()));
+        face[k] = static_cast<std::uint32_t>(
+            first + static_cast<std::size_t>(std::lower_bound(used.begin(), used.end(), corners[c + k]) - used.begin()));
       if (mirrored) std::swap(face[1], face[2]);
       polygons_.add(face);
     }
@@ -540,7 +556,10 @@ class gltf_parser {
 
 // --- .glb ---
 
-struct glb { std::string_view text; std::optional<std::string_view> chunk; };
+struct glb {
+  std::string_view text;
+  std::optional<std::string_view> chunk;
+};
 
 // Header: magic, version, length; then chunks: length, kind, bytes. The first is the JSON, the second may be the buffer.
 glb parse_glb(std::string_view bytes, const std::string& place) {
@@ -550,7 +569,8 @@ glb parse_glb(std::string_view bytes, const std::string& place) {
   if (bytes.size() < header_bytes + chunk_bytes || word(0) != magic)
     throw input_error(place, "another beginning", "a binary glTF, which begins with glTF");
   if (word(4) != 2) throw input_error(place, fmt::format("version {}", word(4)), "version 2");
-  if (word(8) != bytes.size()) throw input_error(place, fmt::format("{} bytes", bytes.size()), fmt::format("{}, as its header says", word(8)));
+  if (word(8) != bytes.size())
+    throw input_error(place, fmt::format("{} bytes", bytes.size()), fmt::format("{}, as its header says", word(8)));
   glb parts;
   std::size_t at = header_bytes;
   for (unsigned n = 0; at < bytes.size(); ++n) {
@@ -570,7 +590,8 @@ glb parse_glb(std::string_view bytes, const std::string& place) {
 
 }  // namespace
 
-polygons parse_gltf(std::string_view bytes, bool binary, const std::string& place, std::uint64_t most_faces, const beside_reader& read_beside) {
+polygons parse_gltf(std::string_view bytes, bool binary, const std::string& place, std::uint64_t most_faces,
+                    const beside_reader& read_beside) {
   const glb parts = binary ? parse_glb(bytes, place) : glb{bytes, std::nullopt};
   const json document = parse_json(parts.text, place);
   return gltf_parser(document, parts.chunk, place, most_faces, read_beside).parse();

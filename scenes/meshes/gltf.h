@@ -24,6 +24,7 @@ using beside_reader = std::function<std::string(const std::string& name, std::ui
 /// Errors: input_error for other versions, broken or deeply nested JSON, wrong types, references to what is not there or does not fit, an
 /// index beyond the positions, nodes with two parents or in a loop, skins, extensions without which the shapes can't be read, more than
 /// `most_faces` faces, and whatever `read_beside` throws.
-polygons parse_gltf(std::string_view bytes, bool binary, const std::string& place, std::uint64_t most_faces, const beside_reader& read_beside);
+polygons parse_gltf(std::string_view bytes, bool binary, const std::string& place, std::uint64_t most_faces,
+                    const beside_reader& read_beside);
 
 }  // namespace rtusim

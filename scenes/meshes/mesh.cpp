@@ -28,7 +28,7 @@ namespace rtusim {
 namespace {
 
 constexpr std::uint64_t most_file_bytes = std::uint64_t{1} << 30;
-constexpr std::uint64_t most_triangles = 50'000'000;  // instances of a glTF's meshes multiply
+constexpr std::uint64_t most_triangles = 50'000'000;        // instances of a glTF's meshes multiply
 constexpr double least_extent = 1e-60, most_extent = 1e60;  // squares, and scales to and from the root cube, stay in range
 
 // Reads files in the folder of another one, or below it.
@@ -76,8 +76,8 @@ polygons lone_file(const std::filesystem::path&, std::string_view bytes, const s
 }
 
 constexpr std::string_view patches_ending = ".bpt";
-constexpr mesh_format formats[] = {{".ply", lone_file<parse_ply>}, {".obj", lone_file<parse_obj>},   {".stl", lone_file<parse_stl>},
-                                   {".gltf", gltf_polygons<false>}, {".glb", gltf_polygons<true>}, {patches_ending, nullptr}};
+constexpr mesh_format formats[] = {{".ply", lone_file<parse_ply>},  {".obj", lone_file<parse_obj>}, {".stl", lone_file<parse_stl>},
+                                   {".gltf", gltf_polygons<false>}, {".glb", gltf_polygons<true>},  {patches_ending, nullptr}};
 
 /// Null for an ending of none of them.
 const mesh_format* format_of(const std::string& ending) {
@@ -159,9 +159,8 @@ bool is_before(const glm::dvec3& a, const glm::dvec3& b) { return std::tie(a.x, 
 std::vector<std::uint32_t> firsts(const std::vector<glm::dvec3>& points) {
   std::vector<std::uint32_t> sorted(points.size()), first(points.size());
   std::iota(sorted.begin(), sorted.end(), 0U);
-  std::sort(sorted.begin(), sorted.end(), [&](std::uint32_t a, std::uint32_t b) {
-    return is_before(points[a], points[b]) || (points[a] == points[b] && a < b);
-  });
+  std::sort(sorted.begin(), sorted.end(),
+            [&](std::uint32_t a, std::uint32_t b) { return is_before(points[a], points[b]) || (points[a] == points[b] && a < b); });
   for (std::size_t i = 0; i < sorted.size(); ++i) {
     const bool again = i != 0 && points[sorted[i]] == points[sorted[i - 1]];
     first[sorted[i]] = again ? first[sorted[i - 1]] : sorted[i];

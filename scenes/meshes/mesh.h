@@ -24,12 +24,12 @@ struct mesh {
   const std::array<std::uint32_t, 3>& triangle(std::size_t n) const {
     return n < triangles.size() ? triangles[n] : flat_triangles[n - triangles.size()];
   }
-  std::array<std::uint32_t, 3>& triangle(std::size_t n) { return n < triangles.size() ? triangles[n] : flat_triangles[n - triangles.size()]; }
+  std::array<std::uint32_t, 3>& triangle(std::size_t n) {
+    return n < triangles.size() ? triangles[n] : flat_triangles[n - triangles.size()];
+  }
 
   /// Which of the file's faces a triangle is or was cut out of, counted from 0 over all faces, also those without area.
-  std::uint32_t face_of(std::size_t triangle) const {
-    return faces.empty() ? static_cast<std::uint32_t>(triangle) : faces[triangle];
-  }
+  std::uint32_t face_of(std::size_t triangle) const { return faces.empty() ? static_cast<std::uint32_t>(triangle) : faces[triangle]; }
 };
 
 /// The smallest box with faces along the axes around a mesh.

@@ -71,8 +71,8 @@ class obj_parser {
     return rest.empty();
   }
   input_error no_vertex(const std::string& here, std::int64_t index) const {
-    return {here, fmt::format("vertex {}", index), fmt::format("one of the {} vertices {}", polygons_.vertices.size(),
-                                                               index > 0 ? "of the file" : "before it")};
+    return {here, fmt::format("vertex {}", index),
+            fmt::format("one of the {} vertices {}", polygons_.vertices.size(), index > 0 ? "of the file" : "before it")};
   }
 
   static constexpr std::int64_t most_vertices = 0xffffffff;

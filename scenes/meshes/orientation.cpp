@@ -87,7 +87,10 @@ turned_sets sets_of(const mesh& m) {
 std::uint64_t turn_alike(mesh& m) {
   turned_sets sets = sets_of(m);
   // Of a set, by its first triangle: how many triangles are as it is, and how many are turned against it; six times their volume.
-  struct balance { std::uint64_t alike = 0, turned = 0; double volume = 0; };
+  struct balance {
+    std::uint64_t alike = 0, turned = 0;
+    double volume = 0;
+  };
   std::vector<balance> balances(m.all_triangles());
   const glm::dvec3 origin = bounds(m).centre();
   for (std::uint32_t n = 0; n < m.all_triangles(); ++n) {

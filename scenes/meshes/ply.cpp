@@ -16,12 +16,16 @@ namespace {
 
 enum class value_type : std::uint8_t { int8, uint8, int16, uint16, int32, uint32, float32, float64 };
 
-struct type_names { value_type type; std::string_view name, other_name; std::size_t bytes; bool whole; };
-constexpr type_names types[] = {
-    {value_type::int8, "char", "int8", 1, true},      {value_type::uint8, "uchar", "uint8", 1, true},
-    {value_type::int16, "short", "int16", 2, true},   {value_type::uint16, "ushort", "uint16", 2, true},
-    {value_type::int32, "int", "int32", 4, true},     {value_type::uint32, "uint", "uint32", 4, true},
-    {value_type::float32, "float", "float32", 4, false}, {value_type::float64, "double", "float64", 8, false}};
+struct type_names {
+  value_type type;
+  std::string_view name, other_name;
+  std::size_t bytes;
+  bool whole;
+};
+constexpr type_names types[] = {{value_type::int8, "char", "int8", 1, true},         {value_type::uint8, "uchar", "uint8", 1, true},
+                                {value_type::int16, "short", "int16", 2, true},      {value_type::uint16, "ushort", "uint16", 2, true},
+                                {value_type::int32, "int", "int32", 4, true},        {value_type::uint32, "uint", "uint32", 4, true},
+                                {value_type::float32, "float", "float32", 4, false}, {value_type::float64, "double", "float64", 8, false}};
 
 const type_names& type_of(std::string_view word, const std::string& here) {
   for (const type_names& t : types)
@@ -65,10 +69,14 @@ class header_parser {
       const std::string whole = quotation(line);
       const std::string_view keyword = take_word(line);
       if (keyword == "comment" || keyword == "obj_info") continue;
-      if (keyword == "format") format(h, line);
-      else if (keyword == "element") new_element(h, line);
-      else if (keyword == "property") new_property(h, line);
-      else if (keyword != "end_header") throw input_error(here(), quotation(keyword), "format, element, property, comment or end_header");
+      if (keyword == "format")
+        format(h, line);
+      else if (keyword == "element")
+        new_element(h, line);
+      else if (keyword == "property")
+        new_property(h, line);
+      else if (keyword != "end_header")
+        throw input_error(here(), quotation(keyword), "format, element, property, comment or end_header");
       if (!line.empty()) throw input_error(here(), fmt::format("the header line {}", whole), "nothing more on it");
       if (keyword == "end_header") break;
     }
@@ -96,10 +104,14 @@ class header_parser {
   }
   void format(header& h, std::string_view& line) const {
     const std::string_view name = take_word(line);
-    if (name == "ascii") h.format = encoding::text;
-    else if (name == "binary_little_endian") h.format = encoding::little_endian;
-    else if (name == "binary_big_endian") h.format = encoding::big_endian;
-    else throw input_error(here(), fmt::format("the format {}", quotation(name)), "ascii, binary_little_endian or binary_big_endian");
+    if (name == "ascii")
+      h.format = encoding::text;
+    else if (name == "binary_little_endian")
+      h.format = encoding::little_endian;
+    else if (name == "binary_big_endian")
+      h.format = encoding::big_endian;
+    else
+      throw input_error(here(), fmt::format("the format {}", quotation(name)), "ascii, binary_little_endian or binary_big_endian");
     if (const std::string_view version = take_word(line); version != "1.0")
       throw input_error(here(), fmt::format("the version {}", quotation(version)), "1.0");
   }
@@ -143,7 +155,8 @@ class header_parser {
 
 class text_values {
  public:
-  text_values(std::string_view text, const std::string& place, std::uint64_t lines_before) : words_(text, place, word_reader::syntax::plain, lines_before + 1) {}
+  text_values(std::string_view text, const std::string& place, std::uint64_t lines_before)
+      : words_(text, place, word_reader::syntax::plain, lines_before + 1) {}
 
   // False when no element is left.
   bool begin(const element& e) {
@@ -190,7 +203,8 @@ struct cut_short {};  // a binary element that is not all there
 
 class binary_values {
  public:
-  binary_values(std::string_view bytes, const std::string& place, bool big_endian) : bytes_(bytes), place_(place), big_endian_(big_endian) {}
+  binary_values(std::string_view bytes, const std::string& place, bool big_endian)
+      : bytes_(bytes), place_(place), big_endian_(big_endian) {}
 
   bool begin(const element& e) {
     element_ = &e;
@@ -254,10 +268,14 @@ class body_parser {
     for (const element& e : h.elements) {
       if (e.properties.empty() && e.count != 0)
         throw input_error(place_, fmt::format("{} elements \"{}\" without properties", e.count, e.name), "at least one property");
-      if (e.name == "vertex") vertices(e);
-      else if (e.name == "face") faces(e, [this] { face(); });
-      else if (e.name == "tristrips") faces(e, [this] { strips(); });
-      else each(e, [&] { skip(e.properties.begin(), e.properties.end()); });
+      if (e.name == "vertex")
+        vertices(e);
+      else if (e.name == "face")
+        faces(e, [this] { face(); });
+      else if (e.name == "tristrips")
+        faces(e, [this] { strips(); });
+      else
+        each(e, [&] { skip(e.properties.begin(), e.properties.end()); });
     }
     if (const std::string rest = values_.rest(); !rest.empty())
       throw input_error(place_, fmt::format("{} after the last element", rest), "as many elements as the header claims");
@@ -288,7 +306,8 @@ class body_parser {
     const auto is_named = [&](const property& p) { return p.name == name || p.name == other_name; };
     const auto found = std::find_if(e.properties.begin(), e.properties.end(), is_named);
     if (found == e.properties.end() || (found->count != nullptr) != list || (list && !found->value->whole))
-      throw input_error(place_, fmt::format("elements \"{}\" without {} {}", e.name, list ? "a list of whole numbers" : "a number", name), "one");
+      throw input_error(place_, fmt::format("elements \"{}\" without {} {}", e.name, list ? "a list of whole numbers" : "a number", name),
+                        "one");
     if (std::find_if(found + 1, e.properties.end(), is_named) != e.properties.end())
       throw input_error(place_, fmt::format("elements \"{}\" with {} twice", e.name, name), "it once");
     return found;
@@ -304,8 +323,10 @@ class body_parser {
       glm::dvec3& v = polygons_.vertices.emplace_back();
       for (auto p = e.properties.begin(); p != e.properties.end(); ++p) {
         const int k = axis[static_cast<std::size_t>(p - e.properties.begin())];
-        if (k < 0) skip(p, p + 1);
-        else v[k] = values_.coordinate(*p->value);
+        if (k < 0)
+          skip(p, p + 1);
+        else
+          v[k] = values_.coordinate(*p->value);
       }
     });
   }

@@ -64,7 +64,8 @@ shape shape_of(const std::vector<plane_point>& points) {
 // Cuts ears off a polygon: corners that turn counterclockwise and whose triangle, its border included, holds no other corner.
 class ear_cutter {
  public:
-  explicit ear_cutter(const std::vector<plane_point>& points) : points_(points), next_(points.size()), previous_(points.size()), ear_(points.size()) {
+  explicit ear_cutter(const std::vector<plane_point>& points)
+      : points_(points), next_(points.size()), previous_(points.size()), ear_(points.size()) {
     const std::size_t n = points.size();
     for (std::size_t i = 0; i < n; ++i) {
       next_[i] = (i + 1) % n;

@@ -71,8 +71,7 @@ void camera::aim_thesis(const params& p) {
   if (!(p.far >= p.near + least_depth))
     throw input_error("camera", fmt::format("far = {} where near = {}", p.far, p.near),
                       fmt::format("far at least {} beyond near", least_depth));
-  if (p.rotation[2] != 0)
-    throw input_error("camera", "rotation = " + text(p.rotation), "0 for z: this camera turns about x and y alone");
+  if (p.rotation[2] != 0) throw input_error("camera", "rotation = " + text(p.rotation), "0 for z: this camera turns about x and y alone");
 
   const double aspect = static_cast<double>(width_) / height_;
   const glm::dmat4 inverse_projection = glm::inverse(glm::perspectiveRH_NO(glm::radians(p.vertical_fov_degrees), aspect, p.near, p.far));

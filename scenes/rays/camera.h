@@ -113,8 +113,8 @@ class camera {
   // Between planes: what a point's numerator is the sum of, an axis: (column's part + row's part) + depth's part; and its w. In matrix
   // terms, with V = view^-1, q = P^-1 (p, z, 1): (V0 q.x + V1 q.y) + (V2 q.z + V3 q.w). q.z and q.w depend on z alone.
   // From a point: the eye; column + row + the way to the picture's middle is the direction. Parallel: column + row + eye is the origin.
-  per_axis<std::vector<double>> column_part_;  // one value a column, padded to full lanes
-  per_axis<std::vector<double>> row_part_;     // one value a row
+  per_axis<std::vector<double>> column_part_;     // one value a column, padded to full lanes
+  per_axis<std::vector<double>> row_part_;        // one value a row
   std::array<per_axis<double>, 2> depth_part_{};  // at z = -1, z = +1; or the eye, and the way to the middle
   std::array<double, 2> w_{};
 };

@@ -11,9 +11,7 @@ namespace {
 // With n = 32, m = 34 and E = 20 the widest number is twice the numerator of d or of an edge, below 2^102.
 __extension__ using int128 = __int128;
 
-int128 size(int128 a) {
-  return a < 0 ? -a : a;
-}
+int128 size(int128 a) { return a < 0 ? -a : a; }
 
 // a / b to the nearest whole number, ties away from zero.
 int128 rounded_ratio(int128 a, int128 b) {

@@ -21,9 +21,7 @@ namespace {
 constexpr std::uint64_t most_file_bytes = std::uint64_t{1} << 30;
 constexpr unsigned most_run = 255;
 
-std::string_view without_blanks_before(std::string_view line) {
-  return line.substr(std::min(line.find_first_not_of(" \t"), line.size()));
-}
+std::string_view without_blanks_before(std::string_view line) { return line.substr(std::min(line.find_first_not_of(" \t"), line.size())); }
 
 // Takes the next word off a line of a header, and the blanks around it.
 std::string_view take_word(std::string_view& line) {
@@ -166,7 +164,8 @@ void write_binvox(const std::filesystem::path& file, const voxel_cube& cube) {
   constexpr std::size_t chunk_bytes = std::size_t{1} << 20;
   const unsigned edge = cube.edge, first = cube.first();
   config::output_file out(file);
-  std::string chunk = fmt::format("#binvox 1\ndim {0} {0} {0}\ntranslate {1}\nscale {2}\ndata\n", edge, fmt::join(cube.translate, " "), cube.scale);
+  std::string chunk =
+      fmt::format("#binvox 1\ndim {0} {0} {0}\ntranslate {1}\nscale {2}\ndata\n", edge, fmt::join(cube.translate, " "), cube.scale);
   bool value = false;
   unsigned length = 0;
   const auto end_run = [&] {

@@ -42,8 +42,8 @@ class layer {
  private:
   // A child that has a word of its own.
   struct node {
-    std::uint32_t word;         // without pointer
-    std::size_t group_end;      // how many words were laid when its own group was
+    std::uint32_t word;     // without pointer
+    std::size_t group_end;  // how many words were laid when its own group was
   };
 
   // Lays all that is below a cube of 8^level voxels, number `index` of them; returns its descriptor, without pointer.

@@ -14,9 +14,7 @@ class voxel_grid {
   static constexpr unsigned least_resolution = 2;
   static constexpr unsigned most_resolution = 1024;  // 128 MB
 
-  static constexpr bool is_resolution(std::uint64_t r) {
-    return r >= least_resolution && r <= most_resolution && (r & (r - 1)) == 0;
-  }
+  static constexpr bool is_resolution(std::uint64_t r) { return r >= least_resolution && r <= most_resolution && (r & (r - 1)) == 0; }
 
   /// An empty grid; `resolution` is a power of two from 2 to 1024.
   explicit voxel_grid(unsigned resolution);

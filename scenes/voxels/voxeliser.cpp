@@ -177,10 +177,14 @@ struct row_range {
 class winding_layer {
  public:
   winding_layer(unsigned resolution, unsigned axis)
-      : resolution_(resolution), edge_(std::max(resolution / 4, 1U)), u_((axis + 1) % 3), v_((axis + 2) % 3), w_(axis),
-        changes_(std::size_t{edge_} * edge_), is_crossed_(changes_.size()) {
-    for (unsigned place = 0; place < 64; ++place)
-      bits_[place] = std::uint64_t{1} << number_of(place / 4 % 4, place / 16, place % 4);
+      : resolution_(resolution),
+        edge_(std::max(resolution / 4, 1U)),
+        u_((axis + 1) % 3),
+        v_((axis + 2) % 3),
+        w_(axis),
+        changes_(std::size_t{edge_} * edge_),
+        is_crossed_(changes_.size()) {
+    for (unsigned place = 0; place < 64; ++place) bits_[place] = std::uint64_t{1} << number_of(place / 4 % 4, place / 16, place % 4);
   }
 
   std::size_t row_axis() const { return v_; }
@@ -312,7 +316,8 @@ voxel_grid voxelise_solid(const mesh& m, unsigned resolution, const std::string&
   const auto refuse = [&](const edge_faults& edges, const char* what, const char* expected) {
     if (edges.count == 0) return;
     const auto text = [](const glm::dvec3& v) { return fmt::format("({:.6g}, {:.6g}, {:.6g})", v.x, v.y, v.z); };
-    throw input_error(place, fmt::format("{} {}, the first from {} to {}", edges.count, what, text(edges.first[0]), text(edges.first[1])), expected);
+    throw input_error(place, fmt::format("{} {}, the first from {} to {}", edges.count, what, text(edges.first[0]), text(edges.first[1])),
+                      expected);
   };
   refuse(find_open_edges(m), "open edges", "a closed mesh to fill, or surface voxels");
   refuse(find_turned_edges(m), "edges whose faces run the same way", "a mesh with the same side of each face outside, or surface voxels");
@@ -327,9 +332,8 @@ voxel_grid voxelise_solid(const mesh& m, unsigned resolution, const std::string&
   along(2, 0.25, [&](std::uint32_t number, std::uint64_t inside) { filled.fill_block(number, inside); });
   bool agree = true;
   for (const unsigned axis : {0U, 1U})
-    along(axis, 0.5 + 0.25 * axis, [&](std::uint32_t number, std::uint64_t inside) {
-      agree &= (inside | touched.blocks()[number]) == filled.blocks()[number];
-    });
+    along(axis, 0.5 + 0.25 * axis,
+          [&](std::uint32_t number, std::uint64_t inside) { agree &= (inside | touched.blocks()[number]) == filled.blocks()[number]; });
   if (!agree) throw input_error(place, "voxels that are inside as seen along one axis alone", "a closed mesh");
   return filled;
 }

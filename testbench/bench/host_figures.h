@@ -21,9 +21,9 @@ class model_figures {
 
 /// What the host does to rays and models before a unit has them: what it leaves out, replaces or clamps.
 struct host_figures {
-  std::uint64_t unsent_rays = 0;          ///< as they miss the model's box, see `driver.skip_misses`
-  std::uint64_t replaced_components = 0;  ///< of directions, see `traversal_parameters`
-  std::uint64_t duplicate_ids = 0;        ///< jobs whose id an earlier one has
+  std::uint64_t unsent_rays = 0;               ///< as they miss the model's box, see `driver.skip_misses`
+  std::uint64_t replaced_components = 0;       ///< of directions, see `traversal_parameters`
+  std::uint64_t duplicate_ids = 0;             ///< jobs whose id an earlier one has
   std::shared_ptr<const model_figures> model;  ///< null where there are none
 
   void describe(config::report& r) const;

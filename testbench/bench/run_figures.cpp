@@ -17,7 +17,8 @@ void run_figures::describe(config::report& r) const {
   const auto rays = static_cast<double>(results.rays);
   const auto cycles = static_cast<double>(results.total_cycles());
   const double hz = clock_mhz * 1e6;
-  r.number("total_cycles", results.total_cycles(), "cycles", "from the first that may accept a job to the one in which the last result leaves");
+  r.number("total_cycles", results.total_cycles(), "cycles",
+           "from the first that may accept a job to the one in which the last result leaves");
   r.number("last_result_cycle", results.last_result, "cycle", "number of that last cycle, as the thesis counts; cycle 0 is the first");
   r.number("last_accept_cycle", results.last_accepted, "cycle", "number of the cycle that accepts the last job");
   r.number("rays", results.rays, "rays", "jobs, each with its result");

@@ -19,7 +19,7 @@ struct run_figures {
   double clock_mhz = 0;
   host_figures host;
   result_figures results;
-  std::shared_ptr<const bank_figures> bank;  ///< of the job manager and the cores
+  std::shared_ptr<const bank_figures> bank;                     ///< of the job manager and the cores
   std::vector<std::pair<std::string, channel_stats>> channels;  ///< by instance name, in the order of construction
 
   /// What was lost or changed on the way in, a sentence each, as a warning tells it.

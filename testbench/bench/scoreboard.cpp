@@ -60,8 +60,7 @@ void scoreboard::arrived(cycle c, const traversal_result& r) {
   RTU_CHECK(f.dispatched, >=, converted);
   RTU_CHECK(f.buffered, >=, walked);
   RTU_CHECK(c, >, f.buffered);
-  const ray_waits waits{job_latency_cycles_, f.dispatched - converted, r.cost + core_latency_cycles_, f.buffered - walked,
-                        c - f.buffered};
+  const ray_waits waits{job_latency_cycles_, f.dispatched - converted, r.cost + core_latency_cycles_, f.buffered - walked, c - f.buffered};
   RTU_CHECK(waits.latency_cycles(), ==, c - f.accepted);
 
   figures_.count(c, r, waits.latency_cycles());

@@ -50,7 +50,8 @@ void simulation::run() {
   if (waveform_) {
     waveform_->close();
     if (!waveform_->recorded())
-      throw input_error("--vcd-from", fmt::format("cycle {}, and the run ends with cycle {}", window_->from, scoreboard_.figures().last_result),
+      throw input_error("--vcd-from",
+                        fmt::format("cycle {}, and the run ends with cycle {}", window_->from, scoreboard_.figures().last_result),
                         "a cycle of the run");
   }
   scoreboard_.check_complete(jobs_.size());

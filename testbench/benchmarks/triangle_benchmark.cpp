@@ -22,7 +22,8 @@ design triangle_design(unsigned cores) {
 }
 
 const triangle_model& teapot() {
-  static const triangle_model model = load_triangles(RTUSIM_SOURCE_DIR "/scenes/data/teapot.bpt", {}, 8, bih_core_params().address_bits, 10);
+  static const triangle_model model =
+      load_triangles(RTUSIM_SOURCE_DIR "/scenes/data/teapot.bpt", {}, 8, bih_core_params().address_bits, 10);
   return model;
 }
 
@@ -39,7 +40,8 @@ const std::vector<job_packet>& teapot_packets() {
 
 void report(benchmark::State& state, double cycles) {
   using benchmark::Counter;
-  state.counters["ns_per_ray"] = Counter(static_cast<double>(teapot_packets().size()) * 1e-9, Counter::kIsIterationInvariantRate | Counter::kInvert);
+  state.counters["ns_per_ray"] =
+      Counter(static_cast<double>(teapot_packets().size()) * 1e-9, Counter::kIsIterationInvariantRate | Counter::kInvert);
   state.counters["ns_per_cycle"] = Counter(cycles * 1e-9, Counter::kIsIterationInvariantRate | Counter::kInvert);
 }
 

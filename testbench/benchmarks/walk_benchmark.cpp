@@ -71,7 +71,8 @@ BENCHMARK(camera_frame)->Name("camera/threads")->Arg(1)->Arg(2)->Unit(benchmark:
 
 void walk_all(benchmark::State& state) {
   for (auto _ : state)
-    benchmark::DoNotOptimize(walk_rays(svo_walker(as_built().of<svo_kind>(), dragon().words), frame_packets(), static_cast<unsigned>(state.range(0))));
+    benchmark::DoNotOptimize(
+        walk_rays(svo_walker(as_built().of<svo_kind>(), dragon().words), frame_packets(), static_cast<unsigned>(state.range(0))));
   per_ray(state, frame_packets().size());
 }
 BENCHMARK(walk_all)->Name("replay/walks/threads")->Arg(1)->Arg(2)->Unit(benchmark::kMillisecond)->UseRealTime();

@@ -54,7 +54,8 @@ std::string binvox_text(const std::filesystem::path& file, const std::filesystem
   if (grid.count() != 0) s = describe(build_svo(grid, file.string()), file.string(), widest_limits);
   draw(image, grid, s);
   if (s.levels == 0) return text + ", none filled\n" + place;
-  return text + fmt::format("; as an octree of {} levels, {} voxels an edge:\n", s.levels, std::uint64_t{1} << s.levels) + summary_text(s) + place;
+  return text + fmt::format("; as an octree of {} levels, {} voxels an edge:\n", s.levels, std::uint64_t{1} << s.levels) + summary_text(s) +
+         place;
 }
 
 // As few digits as tell a coordinate from its neighbours, in binary32 if it is of that.

@@ -119,8 +119,8 @@ void rerun(const rerun_options& o) {
     throw simulation_error(o.record.string() + ": run again, figures differ");
   }
   if (!o.quiet)
-    fmt::print(config::stream_beside({o.statistics}), "the same figures again: {} cycles, checksum {}\n", run.figures.results.total_cycles(),
-               shown(&record.statistics["checksum"]));
+    fmt::print(config::stream_beside({o.statistics}), "the same figures again: {} cycles, checksum {}\n",
+               run.figures.results.total_cycles(), shown(&record.statistics["checksum"]));
 }
 
 std::string difference_text(const std::filesystem::path& a, const std::filesystem::path& b) {

@@ -88,7 +88,7 @@ worker_report run_point(const sweep_plan& plan, const sweep_task& t, const run_i
   record.inputs["architecture"] = plan.architecture(*t.point).string();
   if (shown)
     shown->finish(run.figures, std::any_of(plan.images().begin(), plan.images().end(),
-                                       [](const std::string& ending) { return shows_places(kind_of("image." + ending)); }));
+                                           [](const std::string& ending) { return shows_places(kind_of("image." + ending)); }));
   try {
     const fs::path part = folder.part(t);
     fs::remove_all(part);
@@ -112,7 +112,8 @@ class sweep_progress {
   void done() {
     ++done_;
     const double spent = std::chrono::duration<double>(wall_clock::now() - begin_).count();
-    line_.show(fmt::format("{} of {} points, {:.0f} s left ", done_, points_, spent / static_cast<double>(done_) * static_cast<double>(points_ - done_)));
+    line_.show(fmt::format("{} of {} points, {:.0f} s left ", done_, points_,
+                           spent / static_cast<double>(done_) * static_cast<double>(points_ - done_)));
   }
 
  private:
@@ -133,8 +134,7 @@ class sweep_run {
   void run(std::vector<const sweep_task*> order) {
     std::map<std::string, std::size_t> first;
     for (const sweep_task* t : order) first.emplace(t->walk, t->number);
-    std::stable_sort(order.begin(), order.end(),
-                     [&](const sweep_task* a, const sweep_task* b) { return first[a->walk] < first[b->walk]; });
+    std::stable_sort(order.begin(), order.end(), [&](const sweep_task* a, const sweep_task* b) { return first[a->walk] < first[b->walk]; });
     loaded_rays shared;
     std::string walk;
     std::set<std::string> started;
@@ -232,7 +232,8 @@ void sweep(const sweep_options& o) {
   results_folder folder(out, plan.images());
   std::vector<sweep_task> tasks = tasks_of(plan);
   if (!o.share.empty())
-    tasks.erase(std::remove_if(tasks.begin(), tasks.end(), [&](const sweep_task& t) { return t.number % mine.of != mine.number; }), tasks.end());
+    tasks.erase(std::remove_if(tasks.begin(), tasks.end(), [&](const sweep_task& t) { return t.number % mine.of != mine.number; }),
+                tasks.end());
   for (std::size_t i = 0; i < tasks.size(); ++i) tasks[i].number = i;
 
   folder.lock(o.share.empty() ? results_folder::use::whole : results_folder::use::shared, !o.quiet);
@@ -272,8 +273,8 @@ void sweep(const sweep_options& o) {
   if (failures.empty()) return;
   std::fflush(stdout);
   fmt::print(stderr, "{}", failure_text(failures));
-  throw simulation_error(fmt::format("sweep: {} of {} points failed; those that were run are run again with --retry-failed", failures.size(),
-                                     tasks.size()));
+  throw simulation_error(
+      fmt::format("sweep: {} of {} points failed; those that were run are run again with --retry-failed", failures.size(), tasks.size()));
 }
 
 }  // namespace rtusim

@@ -11,12 +11,12 @@ struct sweep_options {
   enum class engine : unsigned char { local, slurm };
 
   std::filesystem::path file;
-  std::filesystem::path out;         ///< folder of the results
-  unsigned jobs = 1;                 ///< worker processes, or tasks of the array
+  std::filesystem::path out;  ///< folder of the results
+  unsigned jobs = 1;          ///< worker processes, or tasks of the array
   engine how = engine::local;
-  std::string share;                 ///< "I/N": only the points with number modulo N = I, and no table: for one of N machines
-  bool retry_failed = false;         ///< points that failed before are run again
-  bool units = false;                ///< a second header row in results.csv: the unit of each column
+  std::string share;          ///< "I/N": only the points with number modulo N = I, and no table: for one of N machines
+  bool retry_failed = false;  ///< points that failed before are run again
+  bool units = false;         ///< a second header row in results.csv: the unit of each column
   bool quiet = false;
 };
 

@@ -16,7 +16,8 @@ namespace rtusim {
 
 bih_model::bih_model(const design& d, const scene& what, const triangle_driver_params& driver, unsigned leaf_triangles)
     : driver_(driver),
-      model_(load_triangles(what.model.model, d.of<bih_kind>().words, leaf_triangles, d.of<bih_kind>().core.address_bits, what.model.patch_quads)),
+      model_(load_triangles(what.model.model, d.of<bih_kind>().words, leaf_triangles, d.of<bih_kind>().core.address_bits,
+                            what.model.patch_quads)),
       contents_(model_.hierarchy) {}
 
 void bih_model::settle(design& d) const { d.of<bih_kind>().words.edge_shift = model_.edge_shift; }
@@ -56,12 +57,14 @@ std::uint64_t bih_model::walk_cycles(const design& d, const std::vector<job_pack
 
 frame::places bih_model::places(const design&, const std::vector<job_packet>& jobs, const frame& picture) const {
   frame::places where;
-  where.points = points_of(jobs, picture, [this](const job_packet& job, double distance) { return point_on_ray(job, model_.grid, distance); });
+  where.points =
+      points_of(jobs, picture, [this](const job_packet& job, double distance) { return point_on_ray(job, model_.grid, distance); });
   return where;
 }
 
 loaded_model::surface_finder bih_model::surfaces(const design& d) const {
-  const auto finder = std::make_shared<triangle_surfaces>(model_, d.of<bih_kind>().words, d.of<bih_kind>().intersector.errata.t_halved ? 2 : 1);
+  const auto finder =
+      std::make_shared<triangle_surfaces>(model_, d.of<bih_kind>().words, d.of<bih_kind>().intersector.errata.t_halved ? 2 : 1);
   return [finder](const job_packet& job, const traversal_result& r) { return finder->at(job, r); };
 }
 

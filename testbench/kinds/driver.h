@@ -73,10 +73,10 @@ std::vector<job_packet> list_jobs(const ray_list& rays, const slab_rules& rules,
 
 /// How world coordinates lie on a triangle model's grid: grid = world * scale + centre, in grid units.
 struct grid_mapping {
-  double scale = 1;               ///< grid units a world unit
-  per_axis<double> centre{};      ///< of the model's box, where the world's origin lies
-  per_axis<double> corner{};      ///< the box' upper corner; the lower one is 0
-  unsigned n = 30;                ///< packets count in 2^n grid units
+  double scale = 1;           ///< grid units a world unit
+  per_axis<double> centre{};  ///< of the model's box, where the world's origin lies
+  per_axis<double> corner{};  ///< the box' upper corner; the lower one is 0
+  unsigned n = 30;            ///< packets count in 2^n grid units
 };
 
 /// The jobs of a frame for triangle cores. All in binary64 until origin and direction are rounded to binary32; directions are scaled so

@@ -57,7 +57,8 @@ svo_model::svo_model(const design& d, const scene& what, const voxel_driver_para
 unsigned svo_model::voxels_an_edge() const { return 1u << rtusim::describe(octree_, "model", limits_).levels; }
 
 std::vector<job_packet> svo_model::camera_jobs(const design& d, const scene& what, unsigned threads, host_figures& host) const {
-  return rtusim::camera_jobs(what.view, what.picture, slab_rules::of(driver_, d.of<svo_kind>().format), 0, threads, &host.replaced_components);
+  return rtusim::camera_jobs(what.view, what.picture, slab_rules::of(driver_, d.of<svo_kind>().format), 0, threads,
+                             &host.replaced_components);
 }
 
 std::vector<job_packet> svo_model::list_jobs(const design& d, const ray_list& rays, unsigned threads, host_figures& host) const {
@@ -71,7 +72,9 @@ std::uint64_t svo_model::walk_cycles(const design& d, const std::vector<job_pack
   return cycles;
 }
 
-std::unique_ptr<ray_walker> svo_model::walker(const design& d) const { return std::make_unique<svo_walker>(d.of<svo_kind>(), octree_.words); }
+std::unique_ptr<ray_walker> svo_model::walker(const design& d) const {
+  return std::make_unique<svo_walker>(d.of<svo_kind>(), octree_.words);
+}
 
 frame::places svo_model::places(const design& d, const std::vector<job_packet>& jobs, const frame& picture) const {
   frame::places where;
@@ -94,8 +97,8 @@ std::string svo_model::size_text() const { return fmt::format("{} voxels an edge
 
 void svo_model::add_log_line(fmt::memory_buffer& to, cycle c, const traversal_result& r) const {
   const int axis = r.normal_axis;
-  fmt::format_to(std::back_inserter(to), "{},{},{},{},{},{},{},{},{}\n", c, r.core, r.job_word, static_cast<int>(r.hit), r.hit ? r.t_hit : 0,
-                 r.hit ? axis : -1, r.cost, r.t_hit, axis);
+  fmt::format_to(std::back_inserter(to), "{},{},{},{},{},{},{},{},{}\n", c, r.core, r.job_word, static_cast<int>(r.hit),
+                 r.hit ? r.t_hit : 0, r.hit ? axis : -1, r.cost, r.t_hit, axis);
 }
 
 }  // namespace rtusim

@@ -36,8 +36,8 @@ void triangle_figures::describe(config::report& r) const {
 
 void triangle_figures::warn(std::vector<std::string>& all) const {
   if (losses.dropped + losses.clamped != 0)
-    all.push_back(fmt::format("of the triangles {} lost their area on the grid, {} have edges beyond edge_shift and were clamped", losses.dropped,
-                              losses.clamped));
+    all.push_back(fmt::format("of the triangles {} lost their area on the grid, {} have edges beyond edge_shift and were clamped",
+                              losses.dropped, losses.clamped));
 }
 
 triangle_model load_triangles(const std::filesystem::path& file, const quantisation& q, unsigned leaf_triangles, unsigned address_bits,

@@ -39,7 +39,7 @@ struct triangle_model {
   std::vector<std::array<float, 3>> normals;  ///< of each triangle of the hierarchy, of length 1, by the right hand
   std::vector<std::uint32_t> faces;           ///< of each: the mesh's face that it is a part of, see `mesh::face_of`
   triangle_losses losses;
-  unsigned edge_shift = 0;                    ///< with which its edges are quantised
+  unsigned edge_shift = 0;  ///< with which its edges are quantised
 };
 
 /// Reads a mesh, puts it on the grid and builds its hierarchy. `patch_quads`: see `read_mesh`.

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <iterator>
 #include <cstdint>
+#include <iterator>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -22,8 +22,8 @@ namespace {
 
 namespace algo = OIIO::ImageBufAlgo;
 
-constexpr picture_kind shown[] = {picture_kind::lit,     picture_kind::normal, picture_kind::depth, picture_kind::heat, picture_kind::latency,
-                                  picture_kind::wait,    picture_kind::cost,   picture_kind::core,  picture_kind::model};
+constexpr picture_kind shown[] = {picture_kind::lit,  picture_kind::normal, picture_kind::depth, picture_kind::heat, picture_kind::latency,
+                                  picture_kind::wait, picture_kind::cost,   picture_kind::core,  picture_kind::model};
 constexpr int columns = 3;
 constexpr int panel_width = 480;
 constexpr int least_panel_height = 120, most_panel_height = 480;

@@ -20,15 +20,15 @@ class frame {
   /// One pixel's result. A pixel that missed keeps its cost, core and latency; its `t_hit` and normal are 0 and none, whatever the
   /// bus carried.
   struct pixel {
-    float t_hit = 0;                    ///< ray parameter of the hit, in world units as directions have length 1
-    std::uint32_t latency_cycles = 0;   ///< as told to `store`; the greatest number stands for all beyond it
-    std::uint32_t cost = 0;             ///< clocks in all states of the core but IDLE and OUT
-    std::uint32_t sequence = 0;         ///< which job of the run it comes from
+    float t_hit = 0;                   ///< ray parameter of the hit, in world units as directions have length 1
+    std::uint32_t latency_cycles = 0;  ///< as told to `store`; the greatest number stands for all beyond it
+    std::uint32_t cost = 0;            ///< clocks in all states of the core but IDLE and OUT
+    std::uint32_t sequence = 0;        ///< which job of the run it comes from
     std::uint16_t core = 0;
     std::int8_t normal_axis = no_axis;  ///< 0, 1, 2 or no_axis
     std::int8_t normal_sign = 0;        ///< +1 or -1 on that axis, 0 without one
     bool hit = false;
-    bool arrived = false;               ///< false: no result came for this pixel
+    bool arrived = false;  ///< false: no result came for this pixel
 
     /// Whether it has the result of a ray: a ray that was sent takes a cycle at least.
     bool traced() const { return arrived && latency_cycles != 0; }
@@ -44,9 +44,9 @@ class frame {
 
   /// What a pixel of triangle cores shows.
   struct surface {
-    float distance = 0;                 ///< from the eye, in world units
-    std::array<float, 3> normal{};      ///< of length 1, toward the eye; 0 on a miss
-    std::uint32_t triangle = 0;         ///< the mesh's face, see `mesh::face_of`
+    float distance = 0;             ///< from the eye, in world units
+    std::array<float, 3> normal{};  ///< of length 1, toward the eye; 0 on a miss
+    std::uint32_t triangle = 0;     ///< the mesh's face, see `mesh::face_of`
   };
 
   /// `fraction_bits`: of the fixed-point t_hit in the results. With `surfaces` every pixel has one.

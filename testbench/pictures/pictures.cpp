@@ -21,14 +21,14 @@ namespace rtusim {
 namespace {
 
 struct picture_word {
-  std::string_view word;   // of NAME.WORD.png
+  std::string_view word;  // of NAME.WORD.png
   picture_kind kind;
   bool shows_places = false;
 };
-constexpr picture_word words[] = {
-    {"", picture_kind::shaded},      {"lit", picture_kind::lit, true}, {"depth", picture_kind::depth}, {"normal", picture_kind::normal},
-    {"cost", picture_kind::cost},    {"heat", picture_kind::heat},     {"latency", picture_kind::latency}, {"wait", picture_kind::wait},
-    {"core", picture_kind::core},    {"model", picture_kind::model, true}, {"sheet", picture_kind::sheet, true}};
+constexpr picture_word words[] = {{"", picture_kind::shaded},           {"lit", picture_kind::lit, true},    {"depth", picture_kind::depth},
+                                  {"normal", picture_kind::normal},     {"cost", picture_kind::cost},        {"heat", picture_kind::heat},
+                                  {"latency", picture_kind::latency},   {"wait", picture_kind::wait},        {"core", picture_kind::core},
+                                  {"model", picture_kind::model, true}, {"sheet", picture_kind::sheet, true}};
 
 /// `NAME.png (shaded), NAME.lit.png, ...`
 std::string known_names() {

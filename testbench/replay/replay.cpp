@@ -22,13 +22,17 @@ walked_rays walk_rays(const ray_walker& walk, const std::vector<job_packet>& job
   walked_rays all(jobs.size());
   replaying::walk_in_parts walks(walk, jobs, all);
   std::vector<std::thread> others;
-  for (unsigned n = 1; n < threads; ++n) others.emplace_back([&walks] { while (walks.walk_part()) {} });
+  for (unsigned n = 1; n < threads; ++n)
+    others.emplace_back([&walks] {
+      while (walks.walk_part()) {}
+    });
   while (walks.walk_part()) {}
   for (auto& t : others) t.join();
   return all;
 }
 
-run_figures replay(const design& d, const surroundings& s, const ray_walker& walk, const walked_rays& walked, const result_handler& handler) {
+run_figures replay(const design& d, const surroundings& s, const ray_walker& walk, const walked_rays& walked,
+                   const result_handler& handler) {
   check_replayable(d, s);
   const auto schedule = walk.schedule(d, s, walked, handler);
   schedule->advance(walked.size);
@@ -42,7 +46,12 @@ run_figures replay(const design& d, const surroundings& s, const ray_walker& wal
   const auto schedule = walk.schedule(d, s, walked, handler);
   replaying::walk_in_parts walks(walk, jobs, walked);
   replaying::joined_threads others;
-  for (unsigned n = 1; n < threads; ++n) others.start([&walks] { while (walks.walk_part()) {} }, [&walks] { walks.stop(); });
+  for (unsigned n = 1; n < threads; ++n)
+    others.start(
+        [&walks] {
+          while (walks.walk_part()) {}
+        },
+        [&walks] { walks.stop(); });
   for (std::size_t walked_to = 0; walked_to < jobs.size();) {
     const std::size_t end = walks.walked_to();
     if (end == walked_to && !walks.walk_part()) std::this_thread::yield();

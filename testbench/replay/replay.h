@@ -28,7 +28,8 @@ void check_replayable(const design& d, const surroundings& s);
 ///
 /// Errors: simulation_error for a stack that overflows, as the simulation's; input_error for a design that it does not cover, and where
 /// transfers lie further apart than the watchdog allows, which only a simulation can judge.
-run_figures replay(const design& d, const surroundings& s, const ray_walker& walk, const walked_rays& walked, const result_handler& handler);
+run_figures replay(const design& d, const surroundings& s, const ray_walker& walk, const walked_rays& walked,
+                   const result_handler& handler);
 
 /// Walks and replays at once: one thread follows the schedule as far as rays are walked, and walks when it has to wait; the others walk.
 /// `handler` is called on the caller's thread.

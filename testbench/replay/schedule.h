@@ -252,15 +252,16 @@ class schedule final : public job_schedule {
   std::uint64_t pending_valid_cycles_ = 0;
   std::uint64_t result_valid_cycles_ = 0;
   // Where drains are followed in time.
-  unsigned turn_ = 0;                // the select in `turn_cycle_`
+  unsigned turn_ = 0;  // the select in `turn_cycle_`
   cycle turn_cycle_ = 0;
-  std::uint64_t outstanding_ = 0;    // results in buffers or on their way there
+  std::uint64_t outstanding_ = 0;  // results in buffers or on their way there
   std::vector<cycle> accepted_;
 };
 
 /// The schedule for a design's policy and a run's sink.
 template <class Way>
-std::unique_ptr<job_schedule> schedule_for(const design& d, const surroundings& s, const walked_rays& walked, const result_handler& handler) {
+std::unique_ptr<job_schedule> schedule_for(const design& d, const surroundings& s, const walked_rays& walked,
+                                           const result_handler& handler) {
   const bool held = !d.result_manager_.valid_withdrawn && s.sink.ready != sink_params::regime::always;
   return scheduler_policies::with(d.scheduler_.select, [&](auto policy) -> std::unique_ptr<job_schedule> {
     using chosen = typename decltype(policy)::type;

@@ -69,7 +69,9 @@ class stages_schedule {
   std::uint64_t stalled() const { return stalled_; }
 
  private:
-  struct interval { cycle from, to; };  // stands still in [from, to)
+  struct interval {
+    cycle from, to;
+  };  // stands still in [from, to)
   interval& stall(std::uint64_t i) { return stalls_[i % stalls_.size()]; }
 
   unsigned stages_;
@@ -138,18 +140,18 @@ class leaving_order {
 
 /// A core with its result buffer.
 struct core_schedule {
-  cycle free_from = 0;        ///< it takes a job from this cycle on; never while that is not known
-  cycle drained = never;      ///< when the last result left the buffer
+  cycle free_from = 0;    ///< it takes a job from this cycle on; never while that is not known
+  cycle drained = never;  ///< when the last result left the buffer
   // Where drains are followed in time: the result in the buffer or on its way there, and the one after it.
-  cycle buffered = never;     ///< when it came, or comes, to the buffer
+  cycle buffered = never;  ///< when it came, or comes, to the buffer
   std::uint32_t job = 0;
-  cycle done = never;         ///< a result waits for the buffer, or will, from this cycle on
+  cycle done = never;  ///< a result waits for the buffer, or will, from this cycle on
   std::uint32_t next_job = 0;
 
   std::uint64_t jobs = 0, hits = 0, cost = 0, pushes = 0, depth = 0, ends = 0;
-  std::uint64_t idle_cycles = 0;       ///< ready for a job
-  std::uint64_t waited_cycles = 0;     ///< done, and the buffer full
-  std::uint64_t full_cycles = 0;       ///< of the buffer
+  std::uint64_t idle_cycles = 0;    ///< ready for a job
+  std::uint64_t waited_cycles = 0;  ///< done, and the buffer full
+  std::uint64_t full_cycles = 0;    ///< of the buffer
 };
 
 }  // namespace rtusim::replaying

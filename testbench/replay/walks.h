@@ -17,12 +17,12 @@ namespace rtusim {
 /// What a ray's traversal comes to, without the design's timing. Has no initial values: a frame's are written by the threads that
 /// walk, and not before.
 struct walked_ray {
-  std::int64_t t_hit;      ///< of a hit
+  std::int64_t t_hit;  ///< of a hit
   std::uint32_t job_word;
   std::uint32_t cost;
   std::uint32_t pushes;
   std::uint8_t depth;
-  std::int8_t axis;        ///< of a hit
+  std::int8_t axis;  ///< of a hit
   bool hit;
   bool overflow;
 };

@@ -45,7 +45,8 @@ traced_run trace(const run_setup& s, const run_inputs& inputs, const run_manner&
   run.speed.pace = run_pace_words[static_cast<std::size_t>(manner.pace)];
   const auto begin = wall_clock::now();
   if (manner.pace == run_pace::replay) {
-    if (manner.window) throw input_error("--vcd", "--pace replay, which has no signals", "--pace skipping, which is quick outside the window");
+    if (manner.window)
+      throw input_error("--vcd", "--pace replay, which has no signals", "--pace skipping, which is quick outside the window");
     check_replayable(s.unit, s.bench);
     const auto walk = inputs.model->walker(s.unit);
     run.figures = inputs.walked ? replay(s.unit, s.bench, *walk, *inputs.walked, manner.each)

@@ -13,8 +13,8 @@
 #include "testbench/bench/run_figures.h"
 #include "testbench/bench/scoreboard.h"
 #include "testbench/bench/simulation.h"
-#include "testbench/replay/replay.h"
 #include "testbench/kinds/loaded_model.h"
+#include "testbench/replay/replay.h"
 #include "testbench/run/run_setup.h"
 #include "testbench/run/summary.h"
 
@@ -47,9 +47,9 @@ struct run_inputs {
 struct run_manner {
   run_pace pace = run_pace::skipping;
   std::optional<waveform_window> window;
-  result_handler each;                             ///< of each result as it leaves, if not empty
+  result_handler each;                               ///< of each result as it leaves, if not empty
   std::function<void(std::uint64_t rays)> progress;  ///< now and then, if not empty; a replay is too quick
-  unsigned threads = 2;                            ///< that a replay walks with
+  unsigned threads = 2;                              ///< that a replay walks with
 };
 
 struct traced_run {

@@ -16,7 +16,8 @@ fs::path real_place(const fs::path& place) {
 }
 
 /// Gives each file of a record's parts the name that `rename` makes of its own.
-void rename_files(nlohmann::ordered_json& inputs, nlohmann::ordered_json& parameters, const std::function<fs::path(const fs::path&)>& rename) {
+void rename_files(nlohmann::ordered_json& inputs, nlohmann::ordered_json& parameters,
+                  const std::function<fs::path(const fs::path&)>& rename) {
   const auto rename_in = [&](nlohmann::ordered_json& object, std::initializer_list<const char*> keys) {
     for (const char* key : keys)
       if (const auto at = object.find(key); at != object.end() && at->is_string()) *at = rename(at->get<std::string>()).string();

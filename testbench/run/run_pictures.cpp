@@ -24,8 +24,8 @@ void run_pictures::finish(const run_figures& figures, bool places) {
   const std::uint64_t cycles = figures.results.total_cycles();
   text_ = {fmt::format("{}, {}", name, model_.size_text()),
            fmt::format("{} x {} pixels, {} rays traced by {} {} {} in {} cycles: {:.2f} ms at {} MHz", picture_.width(), picture_.height(),
-                       grouped(figures.results.rays), rtu.cores, model_.cores_word(), rtu.cores == 1 ? "core" : "cores",
-                       grouped(cycles), static_cast<double>(cycles) / rtu.clock_mhz / 1e3, rtu.clock_mhz)};
+                       grouped(figures.results.rays), rtu.cores, model_.cores_word(), rtu.cores == 1 ? "core" : "cores", grouped(cycles),
+                       static_cast<double>(cycles) / rtu.clock_mhz / 1e3, rtu.clock_mhz)};
 }
 
 }  // namespace rtusim

@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "testbench/bench/run_figures.h"
+#include "testbench/kinds/loaded_model.h"
 #include "testbench/pictures/frame.h"
 #include "testbench/pictures/pictures.h"
-#include "testbench/kinds/loaded_model.h"
 #include "testbench/run/run_setup.h"
 
 namespace rtusim {

@@ -60,7 +60,8 @@ run_setup::run_setup(const nlohmann::json& recorded_parameters, const std::strin
 
 void run_setup::check() const {
   parameters.check_read();
-  if (what.model.model.empty() && host().needs_model()) throw input_error("run", "no model", "a scene file, --model FILE or --set scene.model=FILE");
+  if (what.model.model.empty() && host().needs_model())
+    throw input_error("run", "no model", "a scene file, --model FILE or --set scene.model=FILE");
 }
 
 }  // namespace rtusim

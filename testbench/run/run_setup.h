@@ -8,9 +8,9 @@
 
 #include "modules/config/schema.h"
 #include "modules/rtu/design.h"
+#include "scenes/scene.h"
 #include "testbench/bench/surroundings.h"
 #include "testbench/kinds/host_kind.h"
-#include "scenes/scene.h"
 
 namespace rtusim {
 

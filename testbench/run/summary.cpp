@@ -64,7 +64,7 @@ void simulator_figures::describe(config::report& r) const {
 
 std::string record_text(run_record record, const std::filesystem::path& folder) {
   name_files_from(folder, record.inputs, record.parameters);
-  const json all{{"format", "rtusim statistics"},      {"version", run_record::version},      {"inputs", record.inputs},
+  const json all{{"format", "rtusim statistics"},   {"version", run_record::version},  {"inputs", record.inputs},
                  {"parameters", record.parameters}, {"statistics", record.statistics}, {"simulator", record.simulator}};
   return all.dump(2, ' ', false, json::error_handler_t::replace) + '\n';  // a file's name may be no UTF-8
 }

@@ -20,7 +20,8 @@ constexpr double bytes_a_cycle = 40;
 
 }  // namespace
 
-std::uint64_t estimated_bytes(const waveform_window& window, const run_setup& s, const loaded_model& model, const std::vector<job_packet>& jobs) {
+std::uint64_t estimated_bytes(const waveform_window& window, const run_setup& s, const loaded_model& model,
+                              const std::vector<job_packet>& jobs) {
   const double cores = s.unit.rtu.cores;
   const double window_cycles = static_cast<double>(window.to - window.from);
   if (window.job_id || jobs.empty() || window_cycles * (cores * bytes_a_clock + bytes_a_cycle) < static_cast<double>(most_bytes)) return 0;

@@ -42,10 +42,21 @@ std::vector<column_meaning> all_axes() {
 }
 
 const std::vector<std::string>& usual_record() {
-  static const std::vector<std::string> keys{"total_cycles",         "rays",           "hits",    "cycles_per_ray", "rays_per_second",
-                                             "frames_per_second",    "checksum",       "latency", "waits",          "channels.job",
-                                             "channels.pending_job", "channels.result", "host",
-                                             "job_manager.float_to_fixed.overflows", "job_manager.float_to_fixed.nans"};
+  static const std::vector<std::string> keys{"total_cycles",
+                                             "rays",
+                                             "hits",
+                                             "cycles_per_ray",
+                                             "rays_per_second",
+                                             "frames_per_second",
+                                             "checksum",
+                                             "latency",
+                                             "waits",
+                                             "channels.job",
+                                             "channels.pending_job",
+                                             "channels.result",
+                                             "host",
+                                             "job_manager.float_to_fixed.overflows",
+                                             "job_manager.float_to_fixed.nans"};
   return keys;
 }
 

@@ -34,7 +34,8 @@ std::vector<config::input_file> inputs_of(const scene::model_params& m) {
 /// The parameters with the endings of files in place of their names: they tell how a file is read.
 json nameless(json parameters) {
   for (const char* key : {"model", "rays"})
-    if (auto& section = parameters["scene"]; section.contains(key)) section[key] = config::unzipped_ending_of(section[key].get<std::string>());
+    if (auto& section = parameters["scene"]; section.contains(key))
+      section[key] = config::unzipped_ending_of(section[key].get<std::string>());
   return parameters;
 }
 

@@ -295,7 +295,9 @@ class sweep_reader {
   std::vector<std::unique_ptr<constraint>> constraints_;
 };
 
-sweep_plan::sweep_plan(const std::filesystem::path& file) : folder_(std::filesystem::absolute(file).parent_path()) { sweep_reader(*this, file); }
+sweep_plan::sweep_plan(const std::filesystem::path& file) : folder_(std::filesystem::absolute(file).parent_path()) {
+  sweep_reader(*this, file);
+}
 
 std::string sweep_plan::named_as_written(std::string text) const {
   const std::string start = (folder_ / "").string();

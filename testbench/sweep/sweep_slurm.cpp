@@ -31,14 +31,15 @@ std::string shell_quoted(const std::string& text) {
 std::string script_text(const fs::path& sweep_file, const fs::path& folder, std::size_t tasks) {
   const fs::path program = fs::read_symlink("/proc/self/exe");
   // In full, so that no name is taken for an option.
-  return fmt::format("#!/bin/sh\n"
-                     "#SBATCH --job-name=rtusim-sweep\n"
-                     "#SBATCH --array=0-{}\n"
-                     "#SBATCH --ntasks=1\n"
-                     "#SBATCH --output=/dev/null\n"
-                     "exec {} sweep {} --out {} --share \"$SLURM_ARRAY_TASK_ID/{}\" --quiet >{}/slurm-\"$SLURM_ARRAY_TASK_ID\".log 2>&1\n",
-                     tasks - 1, shell_quoted(program.string()), shell_quoted(fs::absolute(sweep_file).string()),
-                     shell_quoted(folder.string()), tasks, shell_quoted(folder.string()));
+  return fmt::format(
+      "#!/bin/sh\n"
+      "#SBATCH --job-name=rtusim-sweep\n"
+      "#SBATCH --array=0-{}\n"
+      "#SBATCH --ntasks=1\n"
+      "#SBATCH --output=/dev/null\n"
+      "exec {} sweep {} --out {} --share \"$SLURM_ARRAY_TASK_ID/{}\" --quiet >{}/slurm-\"$SLURM_ARRAY_TASK_ID\".log 2>&1\n",
+      tasks - 1, shell_quoted(program.string()), shell_quoted(fs::absolute(sweep_file).string()), shell_quoted(folder.string()), tasks,
+      shell_quoted(folder.string()));
 }
 
 /// Its exit status; -1 when a signal ended it.

@@ -98,7 +98,8 @@ std::optional<worker_pool::ended> worker_pool::next(std::chrono::milliseconds pa
     const int status = end_of(w.process);
     if (WIFSIGNALED(status)) {
       const int number = WTERMSIG(status);
-      return ended{w.work, {worker_report::outcome::failed, fmt::format("the worker was ended by signal {} ({})", number, strsignal(number))}};
+      return ended{w.work,
+                   {worker_report::outcome::failed, fmt::format("the worker was ended by signal {} ({})", number, strsignal(number))}};
     }
     if (said.empty()) return ended{w.work, {worker_report::outcome::failed, "the worker ended without a report"}};
     return ended{w.work, {static_cast<worker_report::outcome>(said[0]), said.substr(1)}};

@@ -42,7 +42,8 @@ inline std::string text_of(std::FILE* file) {
 }
 
 /// Starts the program in a folder.
-inline pid_t start_rtusim(const std::filesystem::path& folder, const words& arguments, std::FILE* out, std::FILE* err, const limits& l = {}) {
+inline pid_t start_rtusim(const std::filesystem::path& folder, const words& arguments, std::FILE* out, std::FILE* err,
+                          const limits& l = {}) {
   std::string program = RTUSIM_BINARY;
   words copies = arguments;
   std::vector<char*> argv{program.data()};

@@ -6,9 +6,7 @@
 namespace rtusim::test {
 namespace {
 
-std::uint64_t word_of(rng& random) {
-  return std::uint64_t{random()} << 32 | random();
-}
+std::uint64_t word_of(rng& random) { return std::uint64_t{random()} << 32 | random(); }
 
 /// Words whose children lie behind their parent, so that nothing loops.
 bih_memory random_words(rng& random, const bih_core_params& p) {

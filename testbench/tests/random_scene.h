@@ -1,8 +1,8 @@
 #pragma once
 
 #include <cstdint>
-#include "testbench/tests/random.h"
 #include <vector>
+#include "testbench/tests/random.h"
 
 #include "modules/formats/packets.h"
 #include "modules/formats/svo_image.h"

@@ -75,7 +75,8 @@ design random_triangle_design(rng& random) {
 bih_memory random_triangles(rng& random, const design& d) {
   for (;;) {
     try {
-      const quantised_triangles on_grid = quantise(random() % 2 == 0 ? hills(random) : loose_triangles(random), d.of<bih_kind>().words, "random");
+      const quantised_triangles on_grid =
+          quantise(random() % 2 == 0 ? hills(random) : loose_triangles(random), d.of<bih_kind>().words, "random");
       std::vector<triangle_box> boxes;
       for (const auto& c : on_grid.corners) {
         triangle_box& box = boxes.emplace_back();

@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "modules/bih_core/bih_walk.h"
 #include "modules/bih_core/bih_kind.h"
+#include "modules/bih_core/bih_walk.h"
 #include "modules/config/csv.h"
 #include "modules/config/error.h"
 #include "modules/formats/bih_memory.h"

@@ -28,11 +28,7 @@ namespace rtusim {
 /// - `dispatch(c, cores)`: the cycle in which the next job, offered from cycle c on, is taken; `core()` is the one that takes it;
 /// - `valid_cycles(core)`: as above;
 /// - `ready_cycles(end, cores)`: in how many cycles before `end` an offered job would have been taken, once all of `free_from` is known.
-using scheduler_policies = policy_list<
-    cyclic_first_available,
-    round_robin,
-    first_available,
-    least_recently_used>;
+using scheduler_policies = policy_list<cyclic_first_available, round_robin, first_available, least_recently_used>;
 
 /// A policy's place in the list: the value of `scheduler_params::select`.
 template <class Policy>

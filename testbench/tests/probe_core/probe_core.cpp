@@ -64,9 +64,7 @@ void probe_core::settle_registers() {
   shown_state_ = is_done_ ? state::idle : domain().next_edge() > accepted_ + params_.latency_cycles ? state::out : state::walk;
 }
 
-bool probe_core::level(const channel_base& port) const {
-  return shown_state_ == (&port == job_in.operator->() ? state::idle : state::out);
-}
+bool probe_core::level(const channel_base& port) const { return shown_state_ == (&port == job_in.operator->() ? state::idle : state::out); }
 
 probe_core::stats probe_core::statistics() {
   stats s;
@@ -115,6 +113,8 @@ std::unique_ptr<bank_figures> probe_kind::no_figures() const {
   return figures;
 }
 
-std::unique_ptr<core_bank> probe_kind::build(const bank_params& p, const memory_contents&) const { return std::make_unique<probe_bank>(*this, p); }
+std::unique_ptr<core_bank> probe_kind::build(const bank_params& p, const memory_contents&) const {
+  return std::make_unique<probe_bank>(*this, p);
+}
 
 }  // namespace rtusim::test

@@ -47,8 +47,8 @@ TEST_CASE("probe core: every pace gives the same log and figures, as the walk of
       json statistics;
       for (const std::string pace : {"skipping", "stepped", "checked", "replay"}) {
         CAPTURE(sink, cores, pace);
-        succeeds(folder, with(run, {"--set", fmt::format("rtu.cores={}", cores), "--set", "sink.ready=" + sink, "--set", "probe_core.latency_cycles=9",
-                                    "--pace", pace, "--log", "log.csv", "--stats", "stats.json"}));
+        succeeds(folder, with(run, {"--set", fmt::format("rtu.cores={}", cores), "--set", "sink.ready=" + sink, "--set",
+                                    "probe_core.latency_cycles=9", "--pace", pace, "--log", "log.csv", "--stats", "stats.json"}));
         const std::string found = config::read_file(folder / "log.csv");
         const json s = record(folder / "stats.json")["statistics"];
         if (log.empty()) log = found, statistics = s;
@@ -81,27 +81,31 @@ TEST_CASE("probe core: every pace gives the same log and figures, as the walk of
 
 TEST_CASE("probe core: pictures, a waveform, a record that is run again") {
   const test::scratch_folder folder;
-  succeeds(folder, with(run, {"--image", "a.png", "--image", "a.sheet.png", "--image", "a.exr", "--vcd", "a.vcd", "--vcd-to", "50", "--stats", "stats.json"}));
+  succeeds(folder, with(run, {"--image", "a.png", "--image", "a.sheet.png", "--image", "a.exr", "--vcd", "a.vcd", "--vcd-to", "50",
+                              "--stats", "stats.json"}));
   for (const char* name : {"a.png", "a.sheet.png", "a.exr"}) CHECK(std::filesystem::file_size(folder / name) > 200);
   const std::string waveform = config::read_file(folder / "a.vcd");
   CHECK(waveform.find("core_15") != std::string::npos);
   succeeds(folder, {"rerun", "stats.json", "--quiet"});
-  const test::outcome summary = test::rtusim(folder, {"run", "--set", "rtu.core=probe", "--set", "frame.width=8", "--set", "frame.height=8"});
+  const test::outcome summary =
+      test::rtusim(folder, {"run", "--set", "rtu.core=probe", "--set", "frame.width=8", "--set", "frame.height=8"});
   CHECK_THAT(summary.out, Catch::Contains("16 probe cores"));
 }
 
 TEST_CASE("probe core: a sweep over its latency has other cycles for each") {
   const test::scratch_folder folder;
   folder.file("scene.toml", "[frame]\nwidth = 16\nheight = 9\n");
-  folder.file("sweep.toml",
-              "[sweep]\nscenes = [\"scene.toml\"]\nrecord = [\"total_cycles\", \"probe_core.cost_cycles\"]\n[set]\n\"rtu.core\" = \"probe\"\n"
-              "\"rtu.cores\" = 2\n[axes]\n\"probe_core.latency_cycles\" = [1, 4, 16, 64]\n");
+  folder.file(
+      "sweep.toml",
+      "[sweep]\nscenes = [\"scene.toml\"]\nrecord = [\"total_cycles\", \"probe_core.cost_cycles\"]\n[set]\n\"rtu.core\" = \"probe\"\n"
+      "\"rtu.cores\" = 2\n[axes]\n\"probe_core.latency_cycles\" = [1, 4, 16, 64]\n");
   const test::outcome refused = test::rtusim(folder, {"sweep", "sweep.toml", "--quiet"});
   CHECK(refused.status == 2);
   CHECK_THAT(refused.err, Catch::Contains("no figure probe_core.cost_cycles"));
-  folder.file("sweep.toml",
-              "[sweep]\nscenes = [\"scene.toml\"]\nrecord = [\"total_cycles\", \"probe_core.cycles.walk\"]\n[set]\n\"rtu.core\" = \"probe\"\n"
-              "\"rtu.cores\" = 2\n[axes]\n\"probe_core.latency_cycles\" = [1, 4, 16, 64]\n");
+  folder.file(
+      "sweep.toml",
+      "[sweep]\nscenes = [\"scene.toml\"]\nrecord = [\"total_cycles\", \"probe_core.cycles.walk\"]\n[set]\n\"rtu.core\" = \"probe\"\n"
+      "\"rtu.cores\" = 2\n[axes]\n\"probe_core.latency_cycles\" = [1, 4, 16, 64]\n");
   succeeds(folder, {"sweep", "sweep.toml", "--quiet"});
   const json results = record(folder / "out/sweep/results.json");
   double before = 0;

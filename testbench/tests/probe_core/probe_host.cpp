@@ -77,7 +77,8 @@ class probe_model final : public loaded_model {
 
  private:
   std::vector<job_packet> camera_jobs(const design& d, const scene& what, unsigned threads, host_figures& host) const override {
-    return rtusim::camera_jobs(what.view, what.picture, slab_rules::of({}, d.of<probe_kind>().jobs.format), 0, threads, &host.replaced_components);
+    return rtusim::camera_jobs(what.view, what.picture, slab_rules::of({}, d.of<probe_kind>().jobs.format), 0, threads,
+                               &host.replaced_components);
   }
   std::vector<job_packet> list_jobs(const design& d, const ray_list& rays, unsigned threads, host_figures& host) const override {
     return rtusim::list_jobs(rays, slab_rules::of({}, d.of<probe_kind>().jobs.format), 0, threads, &host.replaced_components);
@@ -94,7 +95,8 @@ void bench_probe_core(const design& d, const unit_files& files) {
   for (std::size_t row = 0; row < jobs.size(); ++row) {
     jobs[row].sequence = static_cast<std::uint32_t>(row);
     for (unsigned i = 0; i < 6; ++i)
-      (i < 3 ? jobs[row].t0 : jobs[row].t1)[i % 3] = table.number(row, table.column(names[i]), -(std::int64_t{1} << 31), std::int64_t{1} << 31);
+      (i < 3 ? jobs[row].t0 : jobs[row].t1)[i % 3] =
+          table.number(row, table.column(names[i]), -(std::int64_t{1} << 31), std::int64_t{1} << 31);
   }
   std::vector<std::vector<std::int64_t>> results;
   if (!jobs.empty()) {

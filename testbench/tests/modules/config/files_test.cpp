@@ -7,8 +7,8 @@
 #include <vector>
 
 #include <catch2/catch.hpp>
-#include <fmt/format.h>
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <sys/stat.h>
 #include <unistd.h>
 #include <zlib.h>
@@ -100,7 +100,10 @@ TEST_CASE("read_file refuses what it can't read whole") {
   const std::string bomb = gzip(std::string(5'000'000, '\0'));
   REQUIRE(bomb.size() < 10'000);
 
-  const struct { fs::path file; std::string message; } table[] = {
+  const struct {
+    fs::path file;
+    std::string message;
+  } table[] = {
       {in / "none", "no such file; expected a file that can be read"},
       {in / "none/below", "no such file; expected a file that can be read"},
       {put(in / "file", "") / "below", "Not a directory; expected a file that can be read"},
@@ -255,7 +258,11 @@ TEST_CASE("No output is the file of an input or of another output") {
   fs::create_symlink("new.csv", in / "dangling");
   fs::create_directory(in / "below");
   using list = std::vector<fs::path>;
-  const struct { list outputs, inputs; fs::path place; std::string found; } refused[] = {
+  const struct {
+    list outputs, inputs;
+    fs::path place;
+    std::string found;
+  } refused[] = {
       {{model}, {model}, model, "the file of the input " + model.string()},
       {{in / "link"}, {model}, in / "link", "the file of the input " + model.string()},
       {{in / "twin"}, {"", model}, in / "twin", "the file of the input " + model.string()},
@@ -281,7 +288,10 @@ TEST_CASE("No output is the file of an input or of another output") {
 TEST_CASE("output_file says why it can't write") {
   const folder in;
   put(in / "file", "");
-  const struct { fs::path file; std::string found; } table[] = {
+  const struct {
+    fs::path file;
+    std::string found;
+  } table[] = {
       {in / "none/out.json", "its folder does not exist"},
       {in / "none/", "a folder"},
       {in / "", "a folder"},
@@ -293,8 +303,19 @@ TEST_CASE("output_file says why it can't write") {
     CHECK(error_of([&] { output_file out(row.file); }) == fmt::format("{}: {}; expected to write it", row.file.string(), row.found));
 
   const std::string full = "/dev/full: No space left on device; expected to write it";
-  CHECK(error_of([] { output_file out("/dev/full"); out.write("x"); out.commit(); }) == full);
-  CHECK(error_of([] { output_file out("/dev/full"); out.write("x"); out.descriptor(); }) == full);
-  CHECK(error_of([] { output_file out("/dev/full"); out.write(std::string(3'000'000, 'x')); }) == full);
+  CHECK(error_of([] {
+          output_file out("/dev/full");
+          out.write("x");
+          out.commit();
+        }) == full);
+  CHECK(error_of([] {
+          output_file out("/dev/full");
+          out.write("x");
+          out.descriptor();
+        }) == full);
+  CHECK(error_of([] {
+          output_file out("/dev/full");
+          out.write(std::string(3'000'000, 'x'));
+        }) == full);
   CHECK(in.names() == std::vector<std::string>{"file"});
 }

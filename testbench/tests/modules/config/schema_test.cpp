@@ -160,7 +160,10 @@ TEST_CASE("A later place wins over an earlier one") {
 }
 
 TEST_CASE("Errata are set one by one, by alias, or all") {
-  const struct { const char* text; bool far_popcount, no_push; } files[] = {
+  const struct {
+    const char* text;
+    bool far_popcount, no_push;
+  } files[] = {
       {"svo_core.far_popcount = true", true, false},
       {"errata.no_push = true", false, true},
       {"errata.all = true", true, true},
@@ -205,7 +208,9 @@ TEST_CASE("One [[rtu.core]] entry is the long form of rtu.core and rtu.cores") {
 TEST_CASE("A file's errors say where, what was found, and what was expected") {
   const std::string cores = "expected a whole number from 1 to 1024 cores";
   const std::string one = ", but this version builds one kind of core; expected one [[rtu.core]] entry";
-  const struct { std::string text, message; } table[] = {
+  const struct {
+    std::string text, message;
+  } table[] = {
       {"rtu.cores = 0", "FILE:1: rtu.cores = 0; " + cores},
       {"[rtu]\n\ncores = 1025", "FILE:3: rtu.cores = 1025; " + cores},
       {"rtu.cores = -1", "FILE:1: rtu.cores = -1; " + cores},
@@ -238,8 +243,7 @@ TEST_CASE("A file's errors say where, what was found, and what was expected") {
       {"scheduler = 3", "FILE:1: scheduler = 3; expected keys of the section [scheduler]"},
       {"[[scheduler]]\npolicy = 'x'", "FILE:1: scheduler = [{...}]; expected keys of the section [scheduler]"},
       {"rtu.cores.each = 1", "FILE:1: unknown key rtu.cores.each; expected one of the keys that 'rtusim explain' lists"},
-      {"[scheduler.policy]\nx.y.z.deep = 1",
-       "FILE:2: unknown key scheduler.policy.x; expected scheduler.policy"},
+      {"[scheduler.policy]\nx.y.z.deep = 1", "FILE:2: unknown key scheduler.policy.x; expected scheduler.policy"},
       {"\"rtu.cores\" = 1", "FILE:1: unknown key \"rtu.cores\"; expected rtu.cores"},
       {"rtu.\"co\\nres\" = 1", "FILE:1: unknown key rtu.\"co\\nres\"; expected rtu.cores"},
       {"camera.position = [0, 0, 0]", "FILE:1: camera.position belongs in a scene file; expected keys of rtu, scheduler or svo_core"},
@@ -287,9 +291,19 @@ TEST_CASE("What is not TOML, or too much of it, is refused and nothing worse") {
   };
   using std::string;
   const std::vector<string> texts = {
-      "rtu.cores = ", "rtu.cores", "[rtu", "rtu.cores = 1\nrtu.cores = 2", "scheduler.policy = round_robin",
-      "rtu.cores = 99999999999999999999", "rtu.clock_mhz = i\n", "\xff\xfe", "scene.model = '\xc3'", "\x7f" "ELF\x02\x01",
-      "rtu.cores = " + repeated("[", 100'000), "rtu.cores = " + repeated("{a=", 100'000),
+      "rtu.cores = ",
+      "rtu.cores",
+      "[rtu",
+      "rtu.cores = 1\nrtu.cores = 2",
+      "scheduler.policy = round_robin",
+      "rtu.cores = 99999999999999999999",
+      "rtu.clock_mhz = i\n",
+      "\xff\xfe",
+      "scene.model = '\xc3'",
+      "\x7f"
+      "ELF\x02\x01",
+      "rtu.cores = " + repeated("[", 100'000),
+      "rtu.cores = " + repeated("{a=", 100'000),
   };
   for (const auto& text : texts) {
     const auto message = file_error(text);
@@ -323,8 +337,9 @@ TEST_CASE("What is not TOML, or too much of it, is refused and nothing worse") {
 
 TEST_CASE("set takes TOML, or a bare word") {
   bench b;
-  const char* assignments[] = {"rtu.cores=0xAC", "scheduler.policy=first_available", " rtu.core = \"bih\" ", "rtu.clock_mhz=5e1",
-                               "camera.position=[1,2,3]", "errata.no_push=true", "source.seed=0xACE1"};
+  const char* assignments[] = {"rtu.cores=0xAC",    "scheduler.policy=first_available", " rtu.core = \"bih\" ",
+                               "rtu.clock_mhz=5e1", "camera.position=[1,2,3]",          "errata.no_push=true",
+                               "source.seed=0xACE1"};
   for (const char* text : assignments) b.all.set(text);
   CHECK(b.rtu.cores == 0xAC);
   CHECK(b.scheduler.select == policy::first_available);
@@ -334,11 +349,26 @@ TEST_CASE("set takes TOML, or a bare word") {
   CHECK(b.svo_core.no_push);
   CHECK(b.source.seed == 0xACE1);
 
-  const struct { const char* given; const char* text; } texts[] = {
-      {"a.svo", "a.svo"},      {"'a b'", "a b"},         {"a b # c.svo", "a b # c.svo"}, {"7", "7"},
-      {"0x10", "0x10"},        {"true", "true"},         {"1.50", "1.50"},               {"2001-02-03", "2001-02-03"},
-      {"[1]", "[1]"},          {"{a = 1}", "{a = 1}"},   {"a=b", "a=b"},                 {"", ""},
-      {"\"\"", ""},            {"1\nx = 2", "1\nx = 2"}, {"../../a.svo", "../../a.svo"}, {"'a", "'a"},
+  const struct {
+    const char* given;
+    const char* text;
+  } texts[] = {
+      {"a.svo", "a.svo"},
+      {"'a b'", "a b"},
+      {"a b # c.svo", "a b # c.svo"},
+      {"7", "7"},
+      {"0x10", "0x10"},
+      {"true", "true"},
+      {"1.50", "1.50"},
+      {"2001-02-03", "2001-02-03"},
+      {"[1]", "[1]"},
+      {"{a = 1}", "{a = 1}"},
+      {"a=b", "a=b"},
+      {"", ""},
+      {"\"\"", ""},
+      {"1\nx = 2", "1\nx = 2"},
+      {"../../a.svo", "../../a.svo"},
+      {"'a", "'a"},
   };
   for (const auto& row : texts) {
     b.all.set(fmt::format("scene.model={}", row.given));
@@ -348,7 +378,9 @@ TEST_CASE("set takes TOML, or a bare word") {
 
 TEST_CASE("set refuses in the same words") {
   const std::string cores = "; expected a whole number from 1 to 1024 cores";
-  const struct { std::string text, message; } table[] = {
+  const struct {
+    std::string text, message;
+  } table[] = {
       {"", "\"\"; expected KEY=VALUE"},
       {"rtu.cores", "\"rtu.cores\"; expected KEY=VALUE"},
       {"=3", "\"=3\"; expected KEY=VALUE"},
@@ -388,8 +420,8 @@ TEST_CASE("set takes back what a file gave") {
   b.read("[rtu]\ncores = 9\ncore = 'bih'\n[svo_core]\nno_push = true\nfar_popcount = true\n");
   b.read("[source]\nvalid = 'gap'\ngap_cycles = 5\n", "a bench file");
   b.read("[scene]\nmodel = 'bunny.svo'\n[camera]\nposition = [1, 2, 3]\n", "a scene file");
-  for (const char* text : {"rtu.cores=default", "rtu.core = default", "errata.no_push=default", "source.valid=default", "source.gap_cycles=default",
-                           "scene.model=default", "camera.position=default"})
+  for (const char* text : {"rtu.cores=default", "rtu.core = default", "errata.no_push=default", "source.valid=default",
+                           "source.gap_cycles=default", "scene.model=default", "camera.position=default"})
     b.all.set(text);
   b.all.check_read();  // the gap, too, is as if it had not been given
   CHECK(b.svo_core.far_popcount);
@@ -418,7 +450,10 @@ TEST_CASE("The record of the values holds what is read, and sets it again") {
   again.all.check_read();
   CHECK(again.all.values().dump() == record.dump());
 
-  const struct { const char* text; std::string message; } table[] = {
+  const struct {
+    const char* text;
+    std::string message;
+  } table[] = {
       {"[]", "[]; expected an object of parameters by section"},
       {R"({"rtu": {"cores": 0}})", "rtu.cores = 0; expected a whole number from 1 to 1024 cores"},
       {R"({"rtu": {"cores": {"a": 1}}})", "rtu.cores = {...}; expected a whole number from 1 to 1024 cores"},
@@ -430,8 +465,7 @@ TEST_CASE("The record of the values holds what is read, and sets it again") {
       {R"({"scene": {"model": 1}})", "scene.model = 1; expected a text in quotes"},
   };
   for (const auto& row : table)
-    CHECK(error_of(again, [&] { again.all.read_json(nlohmann::json::parse(row.text), "stats.json"); }) ==
-          "stats.json: " + row.message);
+    CHECK(error_of(again, [&] { again.all.read_json(nlohmann::json::parse(row.text), "stats.json"); }) == "stats.json: " + row.message);
 }
 
 TEST_CASE("explain lists parameters by prefix, with their defaults") {
@@ -467,7 +501,10 @@ TEST_CASE("explain lists parameters by prefix, with their defaults") {
   for (const auto& s : b.all.sections())
     for (const auto& p : s.parameters()) CHECK_THAT(everything, Catch::Contains(p.key) && Catch::Contains(p.meaning.substr(0, 10)));
 
-  const struct { const char* key; const char* expected; } table[] = {
+  const struct {
+    const char* key;
+    const char* expected;
+  } table[] = {
       {"schduler", "scheduler"},
       {"scheduler.polcy", "scheduler.policy"},
       {"rtu.cor", "rtu.core"},
@@ -488,17 +525,29 @@ TEST_CASE("explain wraps long texts and keeps long defaults apart") {
   all.add("file", params);
   CHECK(all.explain("") ==
         "key        default  values, meaning, and when it is read\n"
-        "file.path  " + std::string(90, 'p') + "\n"
-        "                    a text in quotes\n"
-        "                    word word word word word word word word word word word word word word word word\n"
-        "                    word\n");
+        "file.path  " +
+            std::string(90, 'p') +
+            "\n"
+            "                    a text in quotes\n"
+            "                    word word word word word word word word word word word word word word word word\n"
+            "                    word\n");
 }
 
 TEST_CASE("nearest takes a word within a third of its length") {
   const std::vector<std::string> words = {"round_robin", "first_available", "abc"};
-  const struct { const char* word; const char* found; } table[] = {
-      {"round_robin", "round_robin"}, {"raund-robbin", "round_robin"}, {"rr", ""},  {"", ""},
-      {"abd", "abc"},                 {"acb", "abc"},                  {"cab", ""},  {"ab", "abc"}, {"abcd", "abc"},
+  const struct {
+    const char* word;
+    const char* found;
+  } table[] = {
+      {"round_robin", "round_robin"},
+      {"raund-robbin", "round_robin"},
+      {"rr", ""},
+      {"", ""},
+      {"abd", "abc"},
+      {"acb", "abc"},
+      {"cab", ""},
+      {"ab", "abc"},
+      {"abcd", "abc"},
   };
   for (const auto& row : table) CHECK(config::nearest(row.word, words) == row.found);
   CHECK(config::nearest(std::string(1'000'000, 'x'), words).empty());

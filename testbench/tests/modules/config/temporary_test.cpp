@@ -113,11 +113,19 @@ TEST_CASE("temporary: the next process removes what dead ones left, and nothing 
   const std::string host = own.substr(0, own.find('-'));
   const std::string dead = host + "-4200000-12";  // beyond the largest number of a process
   std::set<std::string> kept = names_in(folder / "");
-  for (auto i = kept.begin(); i != kept.end();) i = i->find(fmt::format("-{}-", killed)) == std::string::npos ? std::next(i) : kept.erase(i);
-  const std::string others[] = {
-      ".a.part-" + dead + ".csv", "a.part-" + dead + "-0.csv", ".a.part-" + dead + "-0.csv.gz", ".a.part-" + dead + "-x.csv",
-      ".a.part-" + host + "%2d7-4200000-12-0.csv", ".a.part-x" + dead + "-0.csv", ".a.part-4200000", ".a.part-" + dead + "-", ".a.part-",
-      ".a.part-" + host + "-4200000-12-0-0.csv", ".a.part-" + own + "-7.csv"};
+  for (auto i = kept.begin(); i != kept.end();)
+    i = i->find(fmt::format("-{}-", killed)) == std::string::npos ? std::next(i) : kept.erase(i);
+  const std::string others[] = {".a.part-" + dead + ".csv",
+                                "a.part-" + dead + "-0.csv",
+                                ".a.part-" + dead + "-0.csv.gz",
+                                ".a.part-" + dead + "-x.csv",
+                                ".a.part-" + host + "%2d7-4200000-12-0.csv",
+                                ".a.part-x" + dead + "-0.csv",
+                                ".a.part-4200000",
+                                ".a.part-" + dead + "-",
+                                ".a.part-",
+                                ".a.part-" + host + "-4200000-12-0-0.csv",
+                                ".a.part-" + own + "-7.csv"};
   for (const std::string& name : others) {
     folder.file(name, "");
     kept.insert(name);

@@ -80,13 +80,14 @@ TEST_CASE("a descriptor's fields", "[svo_image]") {
 }
 
 TEST_CASE("the golden models are read, described and written back", "[svo_image]") {
-  struct model { const char* name; unsigned levels; std::uint64_t words, nodes, far_words, filled; };
-  const model table[] = {{"dragon_8", 3, 35, 35, 0, 129},
-                         {"dragon_32", 5, 685, 685, 0, 2357},
-                         {"dragon_128", 7, 12804, 12804, 0, 39903},
-                         {"dragon_256_farok", 8, 54871, 52679, 3, 160134},
-                         {"rand_16_far", 4, 440, 410, 30, 0},
-                         {"deep_4096", 12, 2278, 2278, 0, 0}};
+  struct model {
+    const char* name;
+    unsigned levels;
+    std::uint64_t words, nodes, far_words, filled;
+  };
+  const model table[] = {{"dragon_8", 3, 35, 35, 0, 129},           {"dragon_32", 5, 685, 685, 0, 2357},
+                         {"dragon_128", 7, 12804, 12804, 0, 39903}, {"dragon_256_farok", 8, 54871, 52679, 3, 160134},
+                         {"rand_16_far", 4, 440, 410, 30, 0},       {"deep_4096", 12, 2278, 2278, 0, 0}};
   const scratch_folder scratch;
   for (const model& m : table) {
     CAPTURE(m.name);
@@ -157,8 +158,7 @@ TEST_CASE("shared subtrees are walked once, and counted wherever they appear", "
   // Every child of a node is a word like the others of its level: 8^11 paths to the leaves.
   svo_image image;
   for (unsigned level = 0; level < 11; ++level)
-    for (unsigned i = 0; i < (level == 0 ? 1U : 8U); ++i)
-      image.words.push_back(make_descriptor(false, (level == 0 ? 1 : 8 - i), 0xff, 0));
+    for (unsigned i = 0; i < (level == 0 ? 1U : 8U); ++i) image.words.push_back(make_descriptor(false, (level == 0 ? 1 : 8 - i), 0xff, 0));
   for (unsigned i = 0; i < 8; ++i) image.words.push_back(make_descriptor(false, 0, 0x81, 0x81));
   const svo_summary summary = describe(image, "shared");
   CHECK(summary.levels == 12);
@@ -195,8 +195,7 @@ TEST_CASE("garbage is refused or sound, and never more", "[svo_image]") {
     try {
       describe(image, "garbage");
       ++sound;
-    } catch (const input_error&) {
-    }
+    } catch (const input_error&) {}
   }
   CHECK(sound > 0);
   CHECK(sound < 3000);

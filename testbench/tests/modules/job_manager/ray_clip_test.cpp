@@ -27,8 +27,8 @@ bool operator<(const ratio& a, const ratio& b) { return a.above * b.below < b.ab
 int128 floor_of(const ratio& r, unsigned up) { return (r.above << up) / r.below; }
 
 struct slabs {
-  bool beside = false;           // parallel to a slab, outside of it
-  bool within = true;            // starts in the box or on its faces
+  bool beside = false;  // parallel to a slab, outside of it
+  bool within = true;   // starts in the box or on its faces
   ratio enter{0, 1}, leave{1, 0};
 
   /// In directions, of which the greatest word's is nearly 1 long.
@@ -152,8 +152,8 @@ TEST_CASE("ray_setup: rays enter the box, miss it or stay where they are as exac
         const int128 moved = enter * along[i];
         const int128 wanted = from[i] + (moved >= 0 ? moved / unit : -((-moved + unit - 1) / unit));
         REQUIRE(position == static_cast<std::int64_t>(std::clamp<int128>(wanted, 0, corner[i])));
-        const double at = static_cast<double>(from[i]) + static_cast<double>(exact.enter.above) / static_cast<double>(exact.enter.below) *
-                                                             static_cast<double>(along[i]);
+        const double at = static_cast<double>(from[i]) +
+                          static_cast<double>(exact.enter.above) / static_cast<double>(exact.enter.below) * static_cast<double>(along[i]);
         if (exact.meets()) REQUIRE(std::fabs(static_cast<double>(position) - at) < 2.001);
       }
     }

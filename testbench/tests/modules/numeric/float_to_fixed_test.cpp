@@ -48,7 +48,11 @@ TEST_CASE("float_to_fixed: the right converter truncates and saturates, at every
 }
 
 TEST_CASE("float_to_fixed: what does not keep its value is counted", "[numeric]") {
-  struct row { float value; std::int64_t right, as_built; std::uint64_t overflows, nans, flushed; };
+  struct row {
+    float value;
+    std::int64_t right, as_built;
+    std::uint64_t overflows, nans, flushed;
+  };
   const float nan = std::numeric_limits<float>::quiet_NaN();
   const float inf = std::numeric_limits<float>::infinity();
   const row rows[] = {

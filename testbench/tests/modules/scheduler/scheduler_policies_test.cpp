@@ -117,8 +117,8 @@ std::string simulated(unsigned policy, const traffic& t, pace p) {
     scheduler_params params;
     params.select = policy;
     scheduler<traversal_job> unit("scheduler", params, t.cores());
-    sc_core::sc_vector<pausing_core> cores(
-        "core", t.cores(), [&t](const char* n, std::size_t i) { return new pausing_core(n, t, static_cast<unsigned>(i)); });
+    sc_core::sc_vector<pausing_core> cores("core", t.cores(),
+                                           [&t](const char* n, std::size_t i) { return new pausing_core(n, t, static_cast<unsigned>(i)); });
     closing end("closing");
     channel<traversal_job> pending("pending");
     sc_core::sc_vector<channel<traversal_job>> core_job("core_job", t.cores(),

@@ -195,7 +195,7 @@ TEST_CASE("svo_core: through an edge or a corner a ray passes the planes in the 
           "[svo_core]") {
   struct row {
     const char* name;
-    per_axis<std::int64_t> t0, t1;  // of 2 voxels an edge
+    per_axis<std::int64_t> t0, t1;     // of 2 voxels an edge
     std::vector<unsigned> on_the_way;  // numbers of the cubes that stop the ray, in order: bit 0 for x, 1 for y, 2 for z
     std::vector<std::int64_t> t;
     std::vector<int> axis;
@@ -240,13 +240,8 @@ TEST_CASE("svo_core: what ends just where a ray starts is not ahead of it", "[sv
   const row table[] = {
       {-17, false, false, 0, 0},  // all ends 1 behind the origin
       {-16, false, false, 0, 0},  // at it
-      {-15, false, true, 0, 0},
-      {-1, false, true, 0, 0},
-      {0, false, true, 0, 0},
-      {1, true, true, 0, 1},
-      {15, true, true, 0, 15},
-      {16, true, true, 0, 16},
-      {17, true, true, 1, 17},
+      {-15, false, true, 0, 0},  {-1, false, true, 0, 0}, {0, false, true, 0, 0},  {1, true, true, 0, 1},
+      {15, true, true, 0, 15},   {16, true, true, 0, 16}, {17, true, true, 1, 17},
   };
   for (const row& r : table) {
     CAPTURE(r.start);
@@ -276,10 +271,14 @@ TEST_CASE("svo_core: the normal of a face looks to where the ray comes from, in 
     double t;  // in directions
   };
   const row table[] = {
-      {{-3, 0.3, -0.3}, {1, 0, 0}, 0, -1, 2.5}, {{3, 0.3, -0.3}, {-1, 0, 0}, 0, 1, 3},
-      {{-0.3, -4, -0.2}, {0, 1, 0}, 1, -1, 4},  {{-0.3, 4, -0.2}, {0, -1, 0}, 1, 1, 3.5},
-      {{-0.2, 0.3, -2}, {0, 0, 1}, 2, -1, 1.5}, {{-0.2, 0.3, 2}, {0, 0, -1}, 2, 1, 2},
-      {{-0.75, 0.25, 0.125}, {0.5, 0.0625, -0.5}, 0, -1, 0.5}, {{0.125, 0.25, -0.875}, {-0.5, -0.0625, 0.5}, 2, -1, 0.75},
+      {{-3, 0.3, -0.3}, {1, 0, 0}, 0, -1, 2.5},
+      {{3, 0.3, -0.3}, {-1, 0, 0}, 0, 1, 3},
+      {{-0.3, -4, -0.2}, {0, 1, 0}, 1, -1, 4},
+      {{-0.3, 4, -0.2}, {0, -1, 0}, 1, 1, 3.5},
+      {{-0.2, 0.3, -2}, {0, 0, 1}, 2, -1, 1.5},
+      {{-0.2, 0.3, 2}, {0, 0, -1}, 2, 1, 2},
+      {{-0.75, 0.25, 0.125}, {0.5, 0.0625, -0.5}, 0, -1, 0.5},
+      {{0.125, 0.25, -0.875}, {-0.5, -0.0625, 0.5}, 2, -1, 0.75},
       {{-0.25, 0.75, 0.125}, {0.125, -0.5, -0.5}, 1, 1, 0.5},
   };
   for (const row& r : table) {

@@ -14,9 +14,7 @@ namespace {
 
 using numeric::divider_kind;
 
-std::string text(const quotient& q) {
-  return fmt::format("{:x} {}", q.word, q.err);
-}
+std::string text(const quotient& q) { return fmt::format("{:x} {}", q.word, q.err); }
 
 std::string log_of(const t_div::params& p, const std::vector<division>& divisions, const test::pipeline_run& run) {
   return test::pipeline_log<t_div, division, quotient>(p, divisions, run, [](const quotient& q) { return text(q); });

@@ -4,8 +4,8 @@
 
 #include <deque>
 #include <map>
-#include "testbench/tests/random.h"
 #include <set>
+#include "testbench/tests/random.h"
 
 namespace rtusim {
 

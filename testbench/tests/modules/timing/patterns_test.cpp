@@ -38,7 +38,8 @@ TEST_CASE("rotating_select: the signal under the select", "[timing]") {
       s.select(random() % lines, random() % 1000);
       if (!s.any()) continue;
       const cycle from = random() % 500;
-      check_pattern(s, [&](cycle c) { return s.line(s.selected(c)); }, from, from + 3 * lines + 5);
+      check_pattern(
+          s, [&](cycle c) { return s.line(s.selected(c)); }, from, from + 3 * lines + 5);
       for (unsigned i = 0; i < s.lowest(); ++i) CHECK_FALSE(s.line(i));
       CHECK(s.line(s.lowest()));
     }
@@ -53,7 +54,8 @@ TEST_CASE("lfsr: bit 0 of the register, over its period", "[timing]") {
     const lfsr l(seed);
     std::uint16_t x = seed;
     for (cycle c = 0; c < lfsr::period + 10; ++c, x = lfsr::step(x)) REQUIRE(l.state(c) == x);
-    check_pattern(l, [&](cycle c) { return (l.state(c) & 1) != 0; }, lfsr::period - 40, lfsr::period + 200);
+    check_pattern(
+        l, [&](cycle c) { return (l.state(c) & 1) != 0; }, lfsr::period - 40, lfsr::period + 200);
     CHECK(l.count(0, lfsr::period) == 32768);
   }
 }

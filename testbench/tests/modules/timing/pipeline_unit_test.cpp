@@ -55,8 +55,9 @@ std::string expected(const delay::params& p, const std::vector<std::uint32_t>& i
   unsigned since_entry = p.interval;  // moves
   for (unsigned c = 0; received < items.size(); ++c, source.step(), sink.step()) {
     const bool has = sent < items.size();
-    const bool offered = has && (run.source == source_params::regime::always || (run.source == source_params::regime::lfsr && source.bit()) ||
-                                 (run.source == source_params::regime::gap && until_offer == 0));
+    const bool offered =
+        has && (run.source == source_params::regime::always || (run.source == source_params::regime::lfsr && source.bit()) ||
+                (run.source == source_params::regime::gap && until_offer == 0));
     const bool wanted = run.sink == sink_params::regime::always || sink.bit();
     const bool leaves = row.back() && wanted;
     const bool moves = leaves || !row.back();

@@ -67,8 +67,7 @@ TEST_CASE("watchdog: transfers as far apart as it allows, and one cycle more", "
     CAPTURE(static_cast<int>(p));
     CHECK(run(p, paced(50), 50) == "7@0 8@50 9@100 ");
     CHECK_THAT(run(p, paced(51), 50), StartsWith("7@0 no transfer in the 50 cycles after cycle 0: "));
-    CHECK(run(p, paced(52), 50) ==
-          "7@0 no transfer in the 50 cycles after cycle 0: no channel is valid, so a source gives nothing more");
+    CHECK(run(p, paced(52), 50) == "7@0 no transfer in the 50 cycles after cycle 0: no channel is valid, so a source gives nothing more");
     CHECK(run(p, paced(1), 1) == "7@0 8@1 9@2 ");
     CHECK_THAT(run(p, paced(2), 1), StartsWith("7@0 no transfer in the 1 cycles after cycle 0: "));
     source_params gap;

@@ -13,9 +13,7 @@ namespace {
 
 using numeric::divider_kind;
 
-std::string text(const triangle_result& r) {
-  return fmt::format("{} {} {:x} {:x} {:x}", r.rdy, r.hit, r.u, r.v, r.t);
-}
+std::string text(const triangle_result& r) { return fmt::format("{} {} {:x} {:x} {:x}", r.rdy, r.hit, r.u, r.v, r.t); }
 
 std::string log_of(const triangle_unit_params& p, const std::vector<triangle_request>& requests, const test::pipeline_run& run) {
   return test::pipeline_log<triangle_unit, triangle_request, triangle_result>(p, requests, run,

@@ -85,8 +85,7 @@ std::string text_stl() {
   for (const auto& q : cube_quads)
     for (int half = 0; half < 2; ++half) {
       s += "facet normal 0 0 0\nouter loop\n";
-      for (const int i : {q[0], q[1 + half], q[2 + half]})
-        s += "vertex " + numbers(corner(i));
+      for (const int i : {q[0], q[1 + half], q[2 + half]}) s += "vertex " + numbers(corner(i));
       s += "endloop\nendfacet\n";
     }
   return s + "endsolid cube\n";
@@ -116,15 +115,18 @@ std::string gltf_buffer() {
 }
 
 // Two nodes: the outer one moves, the inner one doubles.
-std::string gltf_json(const std::string& uri, const std::string& nodes =
-                          R"([{"children":[1],"translation":[1,2,3]},{"mesh":0,"scale":[2,2,2]}])",
+std::string gltf_json(const std::string& uri,
+                      const std::string& nodes = R"([{"children":[1],"translation":[1,2,3]},{"mesh":0,"scale":[2,2,2]}])",
                       const std::string& position_count = "8") {
   return R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":)" + nodes +
          R"(,"meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1,"material":77}]}],)"
-         R"("accessors":[{"bufferView":0,"componentType":5126,"count":)" + position_count + R"(,"type":"VEC3"},)"
+         R"("accessors":[{"bufferView":0,"componentType":5126,"count":)" +
+         position_count +
+         R"(,"type":"VEC3"},)"
          R"({"bufferView":1,"componentType":5123,"count":36,"type":"SCALAR"}],)"
          R"("bufferViews":[{"buffer":0,"byteLength":96},{"buffer":0,"byteOffset":96,"byteLength":72}],)"
-         R"("buffers":[{"byteLength":168)" + (uri.empty() ? std::string() : R"(,"uri":")" + uri + '"') + "}]}";
+         R"("buffers":[{"byteLength":168)" +
+         (uri.empty() ? std::string() : R"(,"uri":")" + uri + '"') + "}]}";
 }
 
 std::string glb(const std::string& json, const std::string& buffer = gltf_buffer()) { return test::glb_of(json, buffer); }
@@ -258,7 +260,7 @@ TEST_CASE("concave polygons are covered exactly once", "[mesh]") {
   };
   CHECK(area_of({{0, 0, 0}, {2, 0, 0}, {2, 1, 0}, {1, 1, 0}, {1, 2, 0}, {0, 2, 0}}) == 3);
   CHECK(area_of({{0, 2, 0}, {1, 2, 0}, {1, 1, 0}, {2, 1, 0}, {2, 0, 0}, {0, 0, 0}}) == -3);
-  CHECK(area_of({{0, 0, 0}, {2, 0, 0}, {1, 0.5, 0}, {0, 2, 0}}) == 1.5);               // an arrowhead
+  CHECK(area_of({{0, 0, 0}, {2, 0, 0}, {1, 0.5, 0}, {0, 2, 0}}) == 1.5);                    // an arrowhead
   CHECK(area_of({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {2, 2, 0}, {1, 2, 0}, {0, 2, 0}}) == 4);  // corners along an edge
   // Stars and combs of many corners.
   for (const int points : {5, 50, 500}) {
@@ -394,8 +396,11 @@ TEST_CASE("bad meshes are refused in one line that names the place", "[mesh]") {
 
 TEST_CASE("files cut short never crash the reader", "[mesh]") {
   const test::scratch_folder scratch;
-  struct sample { const char* name; std::string bytes; };
-  const sample samples[] = {{"a.ply", text_ply()},  {"b.ply", binary_ply(true)}, {"a.obj", obj()},
+  struct sample {
+    const char* name;
+    std::string bytes;
+  };
+  const sample samples[] = {{"a.ply", text_ply()}, {"b.ply", binary_ply(true)}, {"a.obj", obj()},
                             {"a.stl", text_stl()}, {"b.stl", binary_stl()},     {"a.glb", glb(gltf_json(""))}};
   for (const sample& s : samples) {
     unsigned refused = 0;
@@ -406,22 +411,37 @@ TEST_CASE("files cut short never crash the reader", "[mesh]") {
 }
 
 // What `info` tells of a mesh.
-struct told { const char* file; std::size_t triangles; std::uint64_t open; glm::dvec3 upper; };
+struct told {
+  const char* file;
+  std::size_t triangles;
+  std::uint64_t open;
+  glm::dvec3 upper;
+};
 
 TEST_CASE("files that other readers were seen to read wrongly are read", "[mesh]") {
-  const told all[] = {
-      {"ply_first_byte_0a_le.ply", 8, 0, {2, 3, 5}},        {"ply_first_byte_0a_uchar_faces_le.ply", 4, 0, {1, 1, 1}},
-      {"ply_faces_first.ply", 8, 0, {2, 3, 5}},             {"ply_trailing_blank_end_header.ply", 8, 0, {2, 3, 5}},
-      {"ply_tristrips_le.ply", 4, 0, {2, 3, 5}},            {"obj_plain.obj", 8, 0, {2, 3, 5}},
-      {"obj_leading_dot_shift.obj", 4, 0, {2, 2, 0.5}},     {"obj_leading_dot_one.obj", 4, 0, {2, 0.5, 2}},
-      {"obj_leading_blank_one_face.obj", 8, 0, {2, 3, 5}},  {"obj_comment_after_face.obj", 8, 0, {2, 3, 5}},
-      {"obj_texture_index_without_vt.obj", 4, 0, {2, 3, 5}}, {"obj_vertex_alpha.obj", 8, 0, {2, 3, 5}},
-      {"obj_bom.obj", 8, 0, {2, 3, 5}},                     {"obj_cross_closed_solid.obj", 44, 0, {3, 3, 1}},
-      {"mesh_closed_by_flat_triangle.obj", 13, 0, {2, 2, 2}}, {"obj_bowtie_among_others.obj", 10, 4, {12, 3, 5}},
-      {"mesh_cube_one_turned.obj", 12, 0, {1, 1, 1}},       {"gltf_seam_between_nodes.gltf", 4, 0, {2.3, 3, 5}},
-      {"gltf_uri_percent.gltf", 8, 0, {2, 3, 5}},           {"gltf_morph_weight_one.gltf", 8, 0, {4, 6, 10}},
-      {"glb_external_buffer.glb", 8, 0, {2, 3, 5}},         {"stl_upper_case.stl", 8, 0, {2, 3, 5}},
-      {"stl_normal_nan_ind.stl", 4, 0, {2, 3, 5}}};
+  const told all[] = {{"ply_first_byte_0a_le.ply", 8, 0, {2, 3, 5}},
+                      {"ply_first_byte_0a_uchar_faces_le.ply", 4, 0, {1, 1, 1}},
+                      {"ply_faces_first.ply", 8, 0, {2, 3, 5}},
+                      {"ply_trailing_blank_end_header.ply", 8, 0, {2, 3, 5}},
+                      {"ply_tristrips_le.ply", 4, 0, {2, 3, 5}},
+                      {"obj_plain.obj", 8, 0, {2, 3, 5}},
+                      {"obj_leading_dot_shift.obj", 4, 0, {2, 2, 0.5}},
+                      {"obj_leading_dot_one.obj", 4, 0, {2, 0.5, 2}},
+                      {"obj_leading_blank_one_face.obj", 8, 0, {2, 3, 5}},
+                      {"obj_comment_after_face.obj", 8, 0, {2, 3, 5}},
+                      {"obj_texture_index_without_vt.obj", 4, 0, {2, 3, 5}},
+                      {"obj_vertex_alpha.obj", 8, 0, {2, 3, 5}},
+                      {"obj_bom.obj", 8, 0, {2, 3, 5}},
+                      {"obj_cross_closed_solid.obj", 44, 0, {3, 3, 1}},
+                      {"mesh_closed_by_flat_triangle.obj", 13, 0, {2, 2, 2}},
+                      {"obj_bowtie_among_others.obj", 10, 4, {12, 3, 5}},
+                      {"mesh_cube_one_turned.obj", 12, 0, {1, 1, 1}},
+                      {"gltf_seam_between_nodes.gltf", 4, 0, {2.3, 3, 5}},
+                      {"gltf_uri_percent.gltf", 8, 0, {2, 3, 5}},
+                      {"gltf_morph_weight_one.gltf", 8, 0, {4, 6, 10}},
+                      {"glb_external_buffer.glb", 8, 0, {2, 3, 5}},
+                      {"stl_upper_case.stl", 8, 0, {2, 3, 5}},
+                      {"stl_normal_nan_ind.stl", 4, 0, {2, 3, 5}}};
   for (const told& t : all) {
     CAPTURE(t.file);
     const mesh m = read_mesh(cases + t.file);
@@ -496,8 +516,9 @@ TEST_CASE("every corner and every edge of a polygon counts for whether a mesh cl
   const test::scratch_folder scratch;
   const auto read = [&](const std::string& text) { return read_mesh(scratch.file("a.obj", text)); };
   // A box, some of whose edges have a corner in their middle on one side or on both.
-  const std::string box = "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 0 0 2\nv 2 0 2\nv 2 2 2\nv 0 2 2\nv 1 0 0\nv 1 0 2\n"
-                          "f 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
+  const std::string box =
+      "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 0 0 2\nv 2 0 2\nv 2 2 2\nv 0 2 2\nv 1 0 0\nv 1 0 2\n"
+      "f 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
   const mesh both = read(box + "f 1 4 3 2 9\nf 5 10 6 7 8\nf 1 9 2 6 10 5\n");
   CHECK(find_open_edges(both).count == 0);
   CHECK(both.triangles.size() == 2 * 3 + 3 + 3 + 4);
@@ -515,8 +536,9 @@ TEST_CASE("every corner and every edge of a polygon counts for whether a mesh cl
     CHECK(find_turned_edges(odd).count == 0);
   }
   // Bow ties in each of the planes, whose parts cancel out, and one whose parts do not.
-  for (const char* tie : {"v 0 0 0\nv 2 2 0\nv 2 0 0\nv 0 2 0\n", "v 0 0 0\nv 0 2 2\nv 0 2 0\nv 0 0 2\n", "v 0 0 0\nv 2 0 2\nv 2 0 0\nv 0 0 2\n",
-                          "v 0 0 0\nv 2 2 0\nv 2 0 0\nv 0 1 0\n", "v 0 0 1\nv 2 2 3\nv 2 0 1\nv 0 2 3\n"}) {
+  for (const char* tie :
+       {"v 0 0 0\nv 2 2 0\nv 2 0 0\nv 0 2 0\n", "v 0 0 0\nv 0 2 2\nv 0 2 0\nv 0 0 2\n", "v 0 0 0\nv 2 0 2\nv 2 0 0\nv 0 0 2\n",
+        "v 0 0 0\nv 2 2 0\nv 2 0 0\nv 0 1 0\n", "v 0 0 1\nv 2 2 3\nv 2 0 1\nv 0 2 3\n"}) {
     CAPTURE(tie);
     const mesh m = read(std::string(tie) + "f 1 2 3 4\n");
     CHECK(m.triangles.size() == 2);
@@ -547,13 +569,15 @@ TEST_CASE("edges that lack a face are told from edges whose faces are turned", "
 TEST_CASE("triangles know the file's face that they are a part of", "[mesh]") {
   const test::scratch_folder scratch;
   // Of five faces the first has no area, the third four corners, and the last no area either.
-  const mesh obj = read_mesh(scratch.file("a.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 2 0 0\nv 0 0 1\nf 1 2 5\nf 1 2 6\nf 1 2 3 4\nf 2 3 6\nf 2 5 1\n"));
+  const mesh obj = read_mesh(
+      scratch.file("a.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 2 0 0\nv 0 0 1\nf 1 2 5\nf 1 2 6\nf 1 2 3 4\nf 2 3 6\nf 2 5 1\n"));
   CHECK(obj.faces == std::vector<std::uint32_t>{1, 2, 2, 3});
   CHECK(obj.face_of(3) == 3);
   CHECK(obj.flat_triangles.size() == 2);
-  const mesh ply = read_mesh(scratch.file("a.ply", "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
-                                                   "element face 4\nproperty list uchar int vertex_index\nend_header\n"
-                                                   "0 0 0\n1 0 0\n0 1 0\n0 0 1\n2 0 1\n3 0 0 1\n4 0 1 2 3\n3 1 2 3\n"));
+  const mesh ply = read_mesh(scratch.file("a.ply",
+                                          "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+                                          "element face 4\nproperty list uchar int vertex_index\nend_header\n"
+                                          "0 0 0\n1 0 0\n0 1 0\n0 0 1\n2 0 1\n3 0 0 1\n4 0 1 2 3\n3 1 2 3\n"));
   CHECK(ply.faces == std::vector<std::uint32_t>{2, 2, 3});
   const mesh bpt = read_mesh(data + "teapot.bpt");
   CHECK(bpt.flat_triangles.size() == 80);
@@ -587,9 +611,10 @@ TEST_CASE("files beside a glTF are read from its folder and below", "[mesh]") {
     check_cube(read_mesh(file(uri)), {1, 2, 3}, 2);
   }
   const std::string absolute = (scratch / "model/parts/a.bin").string();
-  for (const std::string& uri : {std::string("../outside.bin"), std::string("%2e%2e/outside.bin"), std::string("link.bin"), std::string("up/outside.bin"),
-                                 std::string("parts"), std::string("a.bin%00"), std::string("parts/a.bi%"), std::string("parts/a.bi%6"), std::string("http://a/b.bin"),
-                                 std::string("file:parts/a.bin"), std::string(""), std::string("/dev/zero"), absolute}) {
+  for (const std::string& uri :
+       {std::string("../outside.bin"), std::string("%2e%2e/outside.bin"), std::string("link.bin"), std::string("up/outside.bin"),
+        std::string("parts"), std::string("a.bin%00"), std::string("parts/a.bi%"), std::string("parts/a.bi%6"),
+        std::string("http://a/b.bin"), std::string("file:parts/a.bin"), std::string(""), std::string("/dev/zero"), absolute}) {
     CAPTURE(uri);
     CHECK_THROWS_AS(read_mesh(file(uri)), input_error);
   }

@@ -119,7 +119,11 @@ TEST_CASE("camera: the thesis' frames, word by word") {
 }
 
 TEST_CASE("camera: the same bits as one ray at a time with GLM") {
-  struct row { const char* what; camera::params p; raster f; };
+  struct row {
+    const char* what;
+    camera::params p;
+    raster f;
+  };
   const std::array<row, 8> table{{
       {"thesis", {}, {37, 23}},
       {"no rotation: components of exactly 0 in the middle", {75, 0.001, 100, {0, 0, 3}, {0, 0, 0}}, {9, 9}},
@@ -163,7 +167,10 @@ TEST_CASE("camera: rows shared by threads, or asked for in pieces, are the same 
 TEST_CASE("camera: traversal parameters of single rays") {
   using axes = per_axis<double>;
   using t_words = per_axis<std::uint32_t>;
-  struct row { axes origin, direction; std::uint32_t a, a_last; };
+  struct row {
+    axes origin, direction;
+    std::uint32_t a, a_last;
+  };
   const std::array<row, 7> table{{
       {{0, 0, 0}, {1, 1, 1}, 0, 0},
       {{0, 0, 0}, {-1, 1, 1}, axis_x, axis_x},

@@ -26,7 +26,9 @@ namespace {
 const std::string source = RTUSIM_SOURCE_DIR;
 
 /// The rays of a camera, each by itself.
-struct plain_ray { per_axis<double> origin, direction; };
+struct plain_ray {
+  per_axis<double> origin, direction;
+};
 
 std::vector<plain_ray> rays_of(const camera::params& view, const raster& size) {
   std::vector<plain_ray> rays(std::size_t{size.width} * size.height);
@@ -45,7 +47,8 @@ int exact_hit(const voxel_grid& grid, const plain_ray& ray, long double slack) {
     // A ray moved sideways by the shifts along the two axes across its own.
     int main_axis = 0;
     for (int i = 1; i < 3; ++i)
-      if (std::fabs(ray.direction[static_cast<std::size_t>(i)]) > std::fabs(ray.direction[static_cast<std::size_t>(main_axis)])) main_axis = i;
+      if (std::fabs(ray.direction[static_cast<std::size_t>(i)]) > std::fabs(ray.direction[static_cast<std::size_t>(main_axis)]))
+        main_axis = i;
     long double o[3], d[3];
     for (int i = 0; i < 3; ++i) {
       o[i] = static_cast<long double>(ray.origin[static_cast<std::size_t>(i)]);
@@ -87,7 +90,9 @@ int exact_hit(const voxel_grid& grid, const plain_ray& ray, long double slack) {
   return hit ? 1 : 0;
 }
 
-struct agreement { std::size_t sure = 0, unsure = 0, differ = 0, hits = 0, exact_hits = 0, overflows = 0; };
+struct agreement {
+  std::size_t sure = 0, unsure = 0, differ = 0, hits = 0, exact_hits = 0, overflows = 0;
+};
 
 agreement compare(const voxel_grid& grid, const svo_image& image, const camera::params& view, const raster& size, const design& d) {
   const std::vector<plain_ray> rays = rays_of(view, size);
@@ -126,8 +131,8 @@ camera::params orbit(double azimuth, double elevation) {
   return p;
 }
 
-constexpr std::pair<double, double> orbits[] = {{0, 0},   {90, 0},  {180, 0},  {270, 0}, {360, 0}, {45, 0},
-                                                {0, 90},  {90, 90}, {0, -90},  {45, 90}, {45, -90}, {-90, 0}};
+constexpr std::pair<double, double> orbits[] = {{0, 0},  {90, 0},  {180, 0}, {270, 0}, {360, 0},  {45, 0},
+                                                {0, 90}, {90, 90}, {0, -90}, {45, 90}, {45, -90}, {-90, 0}};
 
 }  // namespace
 

@@ -123,7 +123,8 @@ TEST_CASE("ray list: packets for voxel cores are those of one ray at a time, at 
       std::vector<job_packet> expected;
       for (std::size_t i = 0; i < count; ++i) {
         const auto& [o, d] = rays[i];
-        expected.push_back(traversal_parameters({o[0], o[1], o[2]}, {d[0], d[1], d[2]}, static_cast<std::uint32_t>(i), {last_sign_only}, 5));
+        expected.push_back(
+            traversal_parameters({o[0], o[1], o[2]}, {d[0], d[1], d[2]}, static_cast<std::uint32_t>(i), {last_sign_only}, 5));
       }
       for (const unsigned threads : {1u, 2u, 100u}) CHECK(differing(list_jobs(list, {last_sign_only}, 5, threads), expected) == 0);
     }

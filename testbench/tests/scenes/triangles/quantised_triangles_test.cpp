@@ -48,9 +48,7 @@ grid_point read_box(const std::string& scene) {
   return box;
 }
 
-row words_of(const accelerated_triangle& a) {
-  return {a.pp, a.pq, a.d, a.e1p, a.e1q, a.e2p, a.e2q, a.np, a.nq, a.r};
-}
+row words_of(const accelerated_triangle& a) { return {a.pp, a.pq, a.d, a.e1p, a.e1q, a.e2p, a.e2q, a.np, a.nq, a.r}; }
 
 void append_cube(mesh& m, const glm::dvec3& lower, const glm::dvec3& upper) {
   for (glm::length_t r = 0; r < 3; ++r)

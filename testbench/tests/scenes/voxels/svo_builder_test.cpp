@@ -51,8 +51,15 @@ unsigned misplaced_as_built(const svo_image& image, std::uint64_t entry = 0) {
 }  // namespace
 
 TEST_CASE("the golden models rebuilt from their voxels are the same words", "[svo_builder]") {
-  struct model { const char* name; unsigned resolution; bool far_as_built; };
-  const model table[] = {{"dragon_8", 8, false}, {"dragon_32", 32, false}, {"dragon_32s", 32, false}, {"dragon_128", 128, false},
+  struct model {
+    const char* name;
+    unsigned resolution;
+    bool far_as_built;
+  };
+  const model table[] = {{"dragon_8", 8, false},
+                         {"dragon_32", 32, false},
+                         {"dragon_32s", 32, false},
+                         {"dragon_128", 128, false},
                          {"dragon_256_farok", 256, true}};
   for (const model& m : table) {
     CAPTURE(m.name);

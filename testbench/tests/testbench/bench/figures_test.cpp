@@ -56,7 +56,8 @@ recorded_run record(const design& d, const surroundings& s, const memory_content
     simulation sim(d, s, model, jobs, pace::skipping, window);
     std::string lines;
     sim.board().on_result([&](cycle c, const traversal_result& r, std::uint64_t) {
-      lines += fmt::format("{} {} {} {} {} {}\n", c, r.core, r.job_word, static_cast<int>(r.hit), r.cost, static_cast<std::uint32_t>(r.t_hit));
+      lines +=
+          fmt::format("{} {} {} {} {} {}\n", c, r.core, r.job_word, static_cast<int>(r.hit), r.cost, static_cast<std::uint32_t>(r.t_hit));
     });
     sim.run();
     config::report report;
@@ -163,7 +164,8 @@ json common_figures(const vcd& w, const std::vector<log_line>& log, const std::v
          {"rays_per_second", n * clock_mhz * 1e6 / cycles},
          {"frames_per_second", clock_mhz * 1e6 / cycles},
          {"checksum", fmt::format("{:016x}", checksum_of(log))},
-         {"host", {{"unsent_rays", 0}, {"replaced_components", 0}, {"duplicate_ids", 0}}}};  // the host sends nothing here: see host_figures_test
+         {"host",
+          {{"unsent_rays", 0}, {"replaced_components", 0}, {"duplicate_ids", 0}}}};  // the host sends nothing here: see host_figures_test
   std::vector<std::uint64_t> latencies, costs;
   double dispatch = 0, traversal = 0, buffer = 0, result = 0;
   for (const passage& p : rays) {
@@ -177,8 +179,11 @@ json common_figures(const vcd& w, const std::vector<log_line>& log, const std::v
   }
   f["latency"] = distribution(latencies);
   f["cost"] = distribution(costs);
-  f["waits"] = {{"conversion", static_cast<double>(conversion_cycles)}, {"dispatch", dispatch / n}, {"traversal", traversal / n},
-                {"buffer", buffer / n}, {"result", result / n}};
+  f["waits"] = {{"conversion", static_cast<double>(conversion_cycles)},
+                {"dispatch", dispatch / n},
+                {"traversal", traversal / n},
+                {"buffer", buffer / n},
+                {"result", result / n}};
   for (const auto& [name, signal] : w.signals()) {
     const auto end = name.rfind(".valid");
     if (end == std::string::npos || end + 6 != name.size()) continue;
@@ -251,7 +256,8 @@ TEST_CASE("figures: of voxel cores each is what the log and the waveform come to
     for (const job_packet& job : jobs)
       for (const auto& words : {job.t0, job.t1})
         for (const std::uint32_t word : words)
-          conversion.add(word, d.of<svo_kind>().format.integer_bits, d.of<svo_kind>().format.fraction_bits, d.of<svo_kind>().conversion.flush_small);
+          conversion.add(word, d.of<svo_kind>().format.integer_bits, d.of<svo_kind>().format.fraction_bits,
+                         d.of<svo_kind>().conversion.flush_small);
     counted["job_manager"] = {{"jobs", jobs.size()}, {"float_to_fixed", conversion.figures()}};
     lost[0] += conversion.overflows;
     lost[1] += conversion.nans;
@@ -271,8 +277,13 @@ TEST_CASE("figures: of voxel cores each is what the log and the waveform come to
                       {"hits", hits},
                       {"cost", cost},
                       {"cycles",
-                       {{"idle", states[0]}, {"init", states[1]}, {"eval", states[2]}, {"next", states[3]}, {"push", states[4]},
-                        {"pop", states[5]}, {"out", states[6]}}}};
+                       {{"idle", states[0]},
+                        {"init", states[1]},
+                        {"eval", states[2]},
+                        {"next", states[3]},
+                        {"push", states[4]},
+                        {"pop", states[5]},
+                        {"out", states[6]}}}};
       counted[fmt::format("core_{}", i)] = core;
       all = sum_of(all, core);
     }
@@ -337,7 +348,8 @@ TEST_CASE("figures: of triangle cores each is what the log and the waveform come
     std::uint64_t deepest = 0;
     for (unsigned i = 0; i < d.rtu.cores; ++i) {
       const std::string name = fmt::format("rtu.core_{}.", i);
-      std::uint64_t jobs_of = 0, hits = 0, cost = 0, alone = 0, stack = 0, states[8] = {}, pairs = 0, pair_hits = 0, errors = 0, wrapped = 0;
+      std::uint64_t jobs_of = 0, hits = 0, cost = 0, alone = 0, stack = 0, states[8] = {}, pairs = 0, pair_hits = 0, errors = 0,
+                    wrapped = 0;
       for (std::size_t k = 0; k < rays.size(); ++k) {
         const log_line& l = rays[k].result;
         if (l.core != i) continue;
@@ -365,8 +377,13 @@ TEST_CASE("figures: of triangle cores each is what the log and the waveform come
                       {"deepest_stack", stack},
                       {"triangles", {{"pairs", pairs}, {"hits", pair_hits}, {"errors", errors}, {"wrapped", wrapped}}},
                       {"cycles",
-                       {{"idle", w.end() - cost}, {"aabb", states[0]}, {"node", states[1]}, {"inner", states[2]}, {"push", states[3]},
-                        {"pop", states[4]}, {"leaf", states[5]}}}};
+                       {{"idle", w.end() - cost},
+                        {"aabb", states[0]},
+                        {"node", states[1]},
+                        {"inner", states[2]},
+                        {"push", states[3]},
+                        {"pop", states[4]},
+                        {"leaf", states[5]}}}};
       all = sum_of(all, core);
       counted[fmt::format("core_{}", i)] = core;
       counted[fmt::format("core_{}", i)]["fill"] = cost == 0 ? 0.0 : static_cast<double>(pairs) / static_cast<double>(cost);

@@ -3,8 +3,8 @@
 #include <catch2/catch.hpp>
 
 #include <algorithm>
-#include "testbench/tests/random.h"
 #include <vector>
+#include "testbench/tests/random.h"
 
 namespace rtusim {
 

@@ -24,8 +24,11 @@ using test::words;
 const std::string source = RTUSIM_SOURCE_DIR "/";
 const std::string dragon = source + "testbench/golden/svo/models/dragon_32.svo";
 const words voxels{"run", "--quiet", "--model", dragon, "--set", "frame.width=32", "--set", "frame.height=18"};
-const words triangles{"run", "--quiet", "--arch", source + "testbench/architectures/hanika2007.toml", "--model", source + "scenes/data/teapot.bpt",
-                      "--set", "frame.width=32", "--set", "frame.height=18"};
+const words triangles{"run",     "--quiet",
+                      "--arch",  source + "testbench/architectures/hanika2007.toml",
+                      "--model", source + "scenes/data/teapot.bpt",
+                      "--set",   "frame.width=32",
+                      "--set",   "frame.height=18"};
 
 /// The record of a run, which `also` changes, and what it says on the terminal.
 struct recorded {
@@ -66,11 +69,13 @@ TEST_CASE("host figures: jobs with the id of an earlier one", "[testbench]") {
 TEST_CASE("host figures: the nearest of several results for a pixel is shown, whatever their order", "[testbench]") {
   const test::scratch_folder folder;
   const recorded near = record_of(folder, voxels, {"--save-jobs", "near.bin", "--image", "near.png"});
-  const recorded away = record_of(folder, voxels, {"--save-jobs", "away.bin", "--set", "camera.kind=look_at", "--set", "camera.position=[3, 0, 0]",
-                                                   "--set", "camera.target=[9, 0, 0]"});
+  const recorded away = record_of(folder, voxels,
+                                  {"--save-jobs", "away.bin", "--set", "camera.kind=look_at", "--set", "camera.position=[3, 0, 0]", "--set",
+                                   "camera.target=[9, 0, 0]"});
   CHECK(near.statistics["hits"] > 50);
   CHECK(away.statistics["hits"] == 0);
-  for (const auto& [first, second] : {std::pair{"near.bin", "away.bin"}, std::pair{"away.bin", "near.bin"}, std::pair{"near.bin", "near.bin"}}) {
+  for (const auto& [first, second] :
+       {std::pair{"near.bin", "away.bin"}, std::pair{"away.bin", "near.bin"}, std::pair{"near.bin", "near.bin"}}) {
     CAPTURE(first, second);
     folder.file("both.bin", bytes_of(folder / first) + bytes_of(folder / second));
     const recorded both = record_of(folder, voxels, {"--jobs", "both.bin", "--image", "both.png", "--log", "both.csv"});
@@ -104,7 +109,8 @@ TEST_CASE("host figures: rays that are not sent, and directions that are changed
 
 TEST_CASE("host figures: triangles that are clamped, and the edge shift that clamps none", "[testbench]") {
   const test::scratch_folder folder;
-  const recorded chosen = record_of(folder, triangles, {"--set", "quantisation.m=20", "--set", "quantisation.edge_shift=auto", "--log", "chosen.csv"});
+  const recorded chosen =
+      record_of(folder, triangles, {"--set", "quantisation.m=20", "--set", "quantisation.edge_shift=auto", "--log", "chosen.csv"});
   const json& host = chosen.statistics["host"]["triangles"];
   const auto shift = host["edge_shift"].get<unsigned>();
   CHECK(host["clamped"] == 0);
@@ -112,12 +118,13 @@ TEST_CASE("host figures: triangles that are clamped, and the edge shift that cla
   CHECK(chosen.told.empty());
   REQUIRE(shift < 20);
 
-  const recorded given =
-      record_of(folder, triangles, {"--set", "quantisation.m=20", "--set", fmt::format("quantisation.edge_shift={}", shift), "--log", "given.csv"});
+  const recorded given = record_of(
+      folder, triangles, {"--set", "quantisation.m=20", "--set", fmt::format("quantisation.edge_shift={}", shift), "--log", "given.csv"});
   CHECK(given.statistics["host"]["triangles"] == host);
   CHECK(given.statistics["checksum"] == chosen.statistics["checksum"]);
   CHECK(bytes_of(folder / "given.csv") == bytes_of(folder / "chosen.csv"));
-  const recorded beyond = record_of(folder, triangles, {"--set", "quantisation.m=20", "--set", fmt::format("quantisation.edge_shift={}", shift + 1)});
+  const recorded beyond =
+      record_of(folder, triangles, {"--set", "quantisation.m=20", "--set", fmt::format("quantisation.edge_shift={}", shift + 1)});
   CHECK(beyond.statistics["host"]["triangles"]["clamped"] > 0);
   CHECK_THAT(beyond.told, Catch::Contains("have edges beyond edge_shift and were clamped\n"));
 

@@ -142,7 +142,9 @@ TEST_CASE("command line: a file that can't be used is refused with its place", "
   const std::string ply = config::read_file(source + "scenes/data/dragon_res4.ply");
   std::filesystem::create_directory(folder / "folder");
   folder.file("empty", "");
-  folder.file("garbage.toml", "\x7f" "ELF\x02\x01 = [");
+  folder.file("garbage.toml",
+              "\x7f"
+              "ELF\x02\x01 = [");
   folder.file("cut.toml", "[frame]\nwidth = ");
   folder.file("unknown.toml", "[frame]\nwidht = 3\n");
   folder.file("foreign.toml", "\n[rtu]\ncores = 3\n");
@@ -543,14 +545,15 @@ TEST_CASE("command line: raw words are taken whatever they hold", "[testbench]")
   const std::string log = contents(folder).at("log.csv");
   CHECK(std::count(log.begin(), log.end(), '\n') == 4);
 
-  const outcome triangles = rtusim(folder, {"run", "--quiet", "--arch", source + "testbench/architectures/hanika2007.toml", "--model", teapot,
-                                            "--jobs", "nan.bin", "--pace", "checked", "--log", "log.csv"});
+  const outcome triangles = rtusim(folder, {"run", "--quiet", "--arch", source + "testbench/architectures/hanika2007.toml", "--model",
+                                            teapot, "--jobs", "nan.bin", "--pace", "checked", "--log", "log.csv"});
   CHECK(triangles.status == 0);
   CHECK(triangles.err == "rtusim: warning: 6 parameters of the jobs lie beyond the fixed-point range, 6 are no number\n");
   CHECK_THAT(contents(folder).at("log.csv"), Catch::StartsWith("cycle,core,job_id,hit,tri,t,u,v,clocks\n"));
 
-  folder.file("wide.csv", "id,a,addr,t0x,t0y,t0z,t1x,t1y,t1z,note\n"
-                          "0,7,4294967295,9223372036854775807,-9223372036854775808,0,0,0,0,x\n");
+  folder.file("wide.csv",
+              "id,a,addr,t0x,t0y,t0z,t1x,t1y,t1z,note\n"
+              "0,7,4294967295,9223372036854775807,-9223372036854775808,0,0,0,0,x\n");
   const outcome unit = rtusim(folder, {"unit", "svo_core", "--jobs", "wide.csv", "--out", "out.csv", "--model", dragon});
   CHECK(unit.status == 0);
   CHECK_THAT(unit.err, Catch::StartsWith("rtusim: warning: 2 words are wider than "));
@@ -604,8 +607,13 @@ TEST_CASE("command line: a run and the units give the golden files", "[testbench
 TEST_CASE("command line: the hierarchy's core gives the golden files", "[testbench]") {
   const test::scratch_folder folder;
   const std::string bih = RTUSIM_SOURCE_DIR "/testbench/golden/bih/";
-  struct row { const char* table; const char* scene; };
-  const row rows[] = {{"bih_tetra_k1_400", "tetra_k1"}, {"bih_cube_k2_400", "cube_k2"}, {"bih_cubepot_k4_400", "cubepot_k4"},
+  struct row {
+    const char* table;
+    const char* scene;
+  };
+  const row rows[] = {{"bih_tetra_k1_400", "tetra_k1"},
+                      {"bih_cube_k2_400", "cube_k2"},
+                      {"bih_cubepot_k4_400", "cubepot_k4"},
                       {"frame_cubepot_k8_64x48_m1", "cubepot_k8"}};
   for (const row& r : rows) {
     const std::string table = bih + r.table + ".csv.gz";
@@ -615,15 +623,15 @@ TEST_CASE("command line: the hierarchy's core gives the golden files", "[testben
     CHECK(o.err.empty());
     CHECK((contents(folder)["out"] == config::read_file(table)));
   }
-  const outcome o = rtusim(folder, {"unit", "bih_core", "--memory", bih + "scenes/tetra_k1", "--jobs", bih + "bih_tetra_k1_400.csv.gz",
-                                    "--out", "out"});
+  const outcome o =
+      rtusim(folder, {"unit", "bih_core", "--memory", bih + "scenes/tetra_k1", "--jobs", bih + "bih_tetra_k1_400.csv.gz", "--out", "out"});
   CHECK(o.status == 2);
   CHECK_THAT(o.err, Catch::Contains("1024 lines; expected 65536, one for each of 16 address bits"));
 }
 
 TEST_CASE("command line: two runs give the same bytes, and so does one from the jobs that the first one kept", "[testbench]") {
-  const words outputs{"--log", "a.csv", "--image", "a.png", "--image", "a.cost.png", "--image", "a.depth.png", "--image", "a.exr",
-                      "--vcd", "a.vcd", "--vcd-job", "70"};
+  const words outputs{"--log",       "a.csv",   "--image", "a.png", "--image", "a.cost.png", "--image",
+                      "a.depth.png", "--image", "a.exr",   "--vcd", "a.vcd",   "--vcd-job",  "70"};
   words first = small_run(outputs);
   first.insert(first.end(), {"--save-jobs", "a.bin"});
   const test::scratch_folder folder, again, from_jobs;

@@ -124,7 +124,8 @@ TEST_CASE("convert: an octree does not keep a size that is no power of two, and 
     const double lower = -1 + 2.0 * ((fine - edge) / 2) / fine;
     const auto file = given(edge, fmt::format("translate {0} {0} {0}\nscale {1}\n", lower, 2.0 * edge / fine));
     CHECK_THAT(convert(options(file, folder / "a.svo")),
-               Contains(fmt::format("the {} voxels an edge stand in the middle of the octree's {}; --resolution {} on the way back", edge, fine, edge)) &&
+               Contains(fmt::format("the {} voxels an edge stand in the middle of the octree's {}; --resolution {} on the way back", edge,
+                                    fine, edge)) &&
                    Contains("an octree does not keep where they lie"));
     convert(options(folder / "a.svo", folder / "b.binvox", edge));
     CHECK((bytes(folder / "b.binvox") == bytes(file)));
@@ -138,7 +139,8 @@ TEST_CASE("convert: an octree does not keep a size that is no power of two, and 
   CHECK_THAT(convert(options(given(6, ""), folder / "a.svo", 32)),
              Contains("the 6 voxels an edge stand in the middle of the octree's 32\n") && Contains("translate 0 0 0, scale 1\n"));
   CHECK_THAT(convert(options(given(8, "translate -1 -1 -1\nscale 2\n"), folder / "a.svo")), !Contains("middle") && !Contains("keep"));
-  CHECK_THAT(convert(options(given(8, "translate -1 -1 -1.5\nscale 2\n"), folder / "a.svo")), !Contains("middle") && Contains("-1 -1 -1.5"));
+  CHECK_THAT(convert(options(given(8, "translate -1 -1 -1.5\nscale 2\n"), folder / "a.svo")),
+             !Contains("middle") && Contains("-1 -1 -1.5"));
   // The middle, but not all of what is filled.
   convert(options(given(8, ""), folder / "a.svo"));
   CHECK_THROWS_WITH(convert(options(folder / "a.svo", folder / "b.binvox", 7)),
@@ -221,7 +223,8 @@ TEST_CASE("info: octrees, voxels and meshes", "[convert]") {
              Catch::StartsWith("voxels in a cube of 8 an edge; as an octree of 3 levels, 8 voxels an edge:\n") &&
                  Catch::Contains(" 108 leaves\n"));
   folder.file("none.binvox", "#binvox 1\ndim 2 2 2\ndata\n" + std::string("\0\x08", 2));
-  CHECK(info_text(folder / "none.binvox") == "voxels in a cube of 2 an edge, none filled\n           1 long, from 0 0 0: where the cube lies\n");
+  CHECK(info_text(folder / "none.binvox") ==
+        "voxels in a cube of 2 an edge, none filled\n           1 long, from 0 0 0: where the cube lies\n");
   CHECK_THAT(info_text(data + "teapot.bpt"), Catch::Contains(" 160 open edges\n"));
 }
 

@@ -29,9 +29,9 @@ const std::string log_header = "cycle,core,job_id,hit,t_hit,normal_axis,cost,raw
 /// Runs a line of the shell in a folder; `$R` is the program, `$RUN` a small run of it.
 outcome shell(const test::scratch_folder& folder, const std::string& line) {
   const test::scratch_folder told;
-  const std::string whole =
-      fmt::format("cd {} && R={} && RUN=\"$R run --model model.svo --set frame.width=16 --set frame.height=9\" && {{ {}\n}} >{} 2>{} </dev/null",
-                  (folder / "").string(), RTUSIM_BINARY, line, (told / "out").string(), (told / "err").string());
+  const std::string whole = fmt::format(
+      "cd {} && R={} && RUN=\"$R run --model model.svo --set frame.width=16 --set frame.height=9\" && {{ {}\n}} >{} 2>{} </dev/null",
+      (folder / "").string(), RTUSIM_BINARY, line, (told / "out").string(), (told / "err").string());
   const int status = std::system(whole.c_str());
   return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, bytes_of(told / "out"), bytes_of(told / "err")};
 }
@@ -63,7 +63,10 @@ struct inputs_folder : test::scratch_folder {
 
 TEST_CASE("outputs: an input is never overwritten, by whatever name", "[outputs]") {
   const inputs_folder folder;
-  const struct { const char* line; const char* told; } refused[] = {
+  const struct {
+    const char* line;
+    const char* told;
+  } refused[] = {
       {"$R run scene.toml --stats scene.toml", "scene.toml: the file of the input scene.toml"},
       {"$RUN --log model.svo", "model.svo: the file of the input model.svo"},
       {"$RUN --save-jobs link.svo", "link.svo: the file of the input model.svo"},
@@ -89,7 +92,8 @@ TEST_CASE("outputs: an input is never overwritten, by whatever name", "[outputs]
   };
   const auto bytes = [&folder] {
     std::string all;
-    for (const char* name : {"scene.toml", "model.svo", "arch.toml", "jobs.bin", "rays.csv", "tri.bin", "words.csv"}) all += bytes_of(folder / name);
+    for (const char* name : {"scene.toml", "model.svo", "arch.toml", "jobs.bin", "rays.csv", "tri.bin", "words.csv"})
+      all += bytes_of(folder / name);
     return all;
   };
   const std::string before = bytes();
@@ -131,15 +135,20 @@ TEST_CASE("outputs: standard output is appended to, and the summary goes beside 
   CHECK_THAT(picture.err, Contains("-: no picture format that we write; expected NAME.png"));
 }
 
-TEST_CASE("outputs: a pipe that nobody reads ends the program without a word, standard output that is full or closed is told", "[outputs]") {
+TEST_CASE("outputs: a pipe that nobody reads ends the program without a word, standard output that is full or closed is told",
+          "[outputs]") {
   const inputs_folder folder;
   const outcome quiet = shell(folder, "{ sleep 0.2; $R explain; echo $? >&2; } | true; { sleep 0.2; $RUN --log -; echo $? >&2; } | true");
   CHECK(quiet.err == "141\n141\n");
   const outcome ignored = shell(folder, "(trap '' PIPE; { $R explain; echo $? >&2; } | true)");
   if (!ignored.err.empty()) CHECK_THAT(ignored.err, Contains("Broken pipe") || Catch::Equals("0\n"));
-  const struct { const char* line; const char* told; } failing[] = {
-      {"$RUN >/dev/full", "No space left on device"},  {"$RUN >&-", "Bad file descriptor"},     {"$R explain >&-", "Bad file descriptor"},
-      {"$R --help >/dev/full", "No space left"},       {"$RUN --log - >&-", "Bad file descriptor"}, {"$RUN --log - >/dev/full", "No space left"},
+  const struct {
+    const char* line;
+    const char* told;
+  } failing[] = {
+      {"$RUN >/dev/full", "No space left on device"}, {"$RUN >&-", "Bad file descriptor"},
+      {"$R explain >&-", "Bad file descriptor"},      {"$R --help >/dev/full", "No space left"},
+      {"$RUN --log - >&-", "Bad file descriptor"},    {"$RUN --log - >/dev/full", "No space left"},
   };
   for (const auto& f : failing) {
     CAPTURE(f.line);
@@ -163,7 +172,8 @@ TEST_CASE("outputs: a pipe that nobody reads ends the program without a word, st
 
 TEST_CASE("outputs: a file keeps its mode, and a link that leads nowhere gets its file", "[outputs]") {
   const inputs_folder folder;
-  REQUIRE(shell(folder, "touch s.json && chmod 600 s.json && ln -s made.csv dangling.csv && $RUN --quiet --stats s.json --log dangling.csv").status == 0);
+  REQUIRE(shell(folder, "touch s.json && chmod 600 s.json && ln -s made.csv dangling.csv && $RUN --quiet --stats s.json --log dangling.csv")
+              .status == 0);
   struct stat found {};
   REQUIRE(::stat((folder / "s.json").c_str(), &found) == 0);
   CHECK((found.st_mode & 0777) == 0600);
@@ -179,14 +189,16 @@ TEST_CASE("outputs: names of files reach the terminal without control characters
   const std::string lines[] = {
       fmt::format("$R run --model \"{}\" --set frame.width=16 --set frame.height=9 --stats s.json", name),
       fmt::format("$R run --model \"none{}\"", name),
-      fmt::format("$R run --model \"{}\" --set frame.width=16 --set frame.height=9 --stats t.json --quiet && $R diff stats.json t.json", name),
+      fmt::format("$R run --model \"{}\" --set frame.width=16 --set frame.height=9 --stats t.json --quiet && $R diff stats.json t.json",
+                  name),
       fmt::format("$R info \"none{}\"", name),
       fmt::format("$R \"{}\"", name),
   };
   for (const std::string& line : lines) {
     CAPTURE(line);
     const outcome o = shell(folder, line);
-    CHECK_THAT(o.out + o.err, Contains("a?[31m????.svo") || Contains("a?[31m??\ufffd?.svo"));  // a record has what UTF-8 has for broken bytes
+    CHECK_THAT(o.out + o.err,
+               Contains("a?[31m????.svo") || Contains("a?[31m??\ufffd?.svo"));  // a record has what UTF-8 has for broken bytes
     const auto is_raw = [](char c) { return (c >= '\0' && c < ' ' && c != '\n') || c == '\x7f' || c == '\x9b' || c == '\xff'; };
     CHECK(std::none_of(o.out.begin(), o.out.end(), is_raw));
     CHECK(std::none_of(o.err.begin(), o.err.end(), is_raw));
@@ -196,11 +208,13 @@ TEST_CASE("outputs: names of files reach the terminal without control characters
 TEST_CASE("outputs: a waveform of a whole frame is refused with its size, unless it is asked for", "[outputs]") {
   const inputs_folder folder;
   const std::string whole = "$R run --model model.svo --set frame.width=1920 --set frame.height=1080 --quiet";
-  for (const char* also : {"--vcd w.vcd", "--vcd w.vcd --vcd-from 1000", "--vcd w.vcd --vcd-to 99000000", "--vcd w.vcd --set rtu.cores=64"}) {
+  for (const char* also :
+       {"--vcd w.vcd", "--vcd w.vcd --vcd-from 1000", "--vcd w.vcd --vcd-to 99000000", "--vcd w.vcd --set rtu.cores=64"}) {
     CAPTURE(also);
     const outcome o = shell(folder, fmt::format("{} {}", whole, also));
     CHECK(o.status == 2);
-    CHECK_THAT(o.err, Contains("w.vcd: a waveform of about ") && Contains(" GB; expected a window (--vcd-from and --vcd-to, or --vcd-job), or --vcd-all"));
+    CHECK_THAT(o.err, Contains("w.vcd: a waveform of about ") &&
+                          Contains(" GB; expected a window (--vcd-from and --vcd-to, or --vcd-job), or --vcd-all"));
     CHECK(!fs::exists(folder / "w.vcd"));
   }
   for (const char* also : {"--vcd w.vcd --vcd-from 10 --vcd-to 100", "--vcd w.vcd --vcd-job 1000000"}) {
@@ -212,7 +226,8 @@ TEST_CASE("outputs: a waveform of a whole frame is refused with its size, unless
   CHECK_THAT(shell(folder, "$RUN --quiet --vcd-all").err, Contains("no --vcd"));
   test::limits some;
   some.most_bytes = 1'000'000;  // in place of a disk
-  const outcome begun = test::rtusim(folder, {"run", "scene.toml", "--set", "frame.width=1920", "--set", "frame.height=1080", "--vcd", "w.vcd", "--vcd-all"}, some);
+  const outcome begun = test::rtusim(
+      folder, {"run", "scene.toml", "--set", "frame.width=1920", "--set", "frame.height=1080", "--vcd", "w.vcd", "--vcd-all"}, some);
   CHECK(begun.status == 2);
   CHECK_THAT(begun.err, Contains("w.vcd: File too large"));
 }

@@ -55,9 +55,10 @@ class runner {
   }
   /// The coarse teapot for triangle cores, at this parser's clock.
   void triangle_design(const std::string& architecture, unsigned cores, bool random_streams, const std::string& also) {
-    common_ = fmt::format("--arch {}/testbench/architectures/{}.toml --model {} --set scene.patch_quads={} --set rtu.cores={} "
-                          "--set rtu.clock_mhz=100 {}",
-                          source, architecture, teapot, teapot_quads, cores, also);
+    common_ = fmt::format(
+        "--arch {}/testbench/architectures/{}.toml --model {} --set scene.patch_quads={} --set rtu.cores={} "
+        "--set rtu.clock_mhz=100 {}",
+        source, architecture, teapot, teapot_quads, cores, also);
     if (random_streams) common_ += " --set source.valid=lfsr --set sink.ready=lfsr";
   }
   /// Leaves NAME.csv, NAME.json and, where the options ask for a waveform, NAME.vcd.
@@ -90,7 +91,10 @@ class runner {
   std::string common_;
 };
 
-struct design_point { const char* architecture; unsigned cores; };
+struct design_point {
+  const char* architecture;
+  unsigned cores;
+};
 constexpr design_point designs[] = {{"espe2019_as_built", 1}, {"espe2019_as_built", 4}, {"espe2019_as_built", 16},
                                     {"espe2019", 1},          {"espe2019", 4},          {"espe2019", 16}};
 
@@ -174,7 +178,11 @@ TEST_CASE("waveform: a window of cycles or of a job shows what a recording of th
 
 TEST_CASE("waveform: a window of triangle cores shows what a recording of the whole run shows, and changes nothing", "[waveform]") {
   runner r(teapot_jobs());
-  struct row { const char* architecture; unsigned cores; const char* also; };
+  struct row {
+    const char* architecture;
+    unsigned cores;
+    const char* also;
+  };
   const row rows[] = {{"hanika2007_as_built", 1, "--set driver.norm=two"},
                       {"hanika2007_as_built", 4, ""},
                       {"hanika2007", 3, "--set t_div.kind=iterative --set bih_core.rays_in_flight=2"},
@@ -283,7 +291,10 @@ TEST_CASE("waveform: its channels and results are those of the statistics and of
 TEST_CASE("waveform: the channels and results of triangle cores are those of the statistics and of the log", "[waveform]") {
   runner r(teapot_jobs());
   const std::vector<std::uint32_t> faces = load_triangles(teapot, {}, 8, 10, teapot_quads).faces;
-  struct row { const char* architecture; unsigned cores; };
+  struct row {
+    const char* architecture;
+    unsigned cores;
+  };
   for (const auto& [architecture, cores] : {row{"hanika2007_as_built", 1}, row{"hanika2007", 4}}) {
     CAPTURE(architecture, cores);
     r.triangle_design(architecture, cores, true, "");

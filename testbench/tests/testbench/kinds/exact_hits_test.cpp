@@ -76,7 +76,8 @@ agreement compare(const std::string& name, std::size_t every) {
 
   const design d;
   const quantisation& q = d.of<bih_kind>().words;
-  const triangle_model model = load_triangles(file, q, bih_builder_params{}.leaf_triangles, d.of<bih_kind>().core.address_bits, s.model.patch_quads);
+  const triangle_model model =
+      load_triangles(file, q, bih_builder_params{}.leaf_triangles, d.of<bih_kind>().core.address_bits, s.model.patch_quads);
   const triangle_lanes exact(quantise(read_mesh(file, s.model.patch_quads), q, file).corners);
   const auto jobs = triangle_jobs(s.view, {640, 480}, model.grid, triangle_driver_params{}.norm, true);
   const ray_setup setup(q, model.hierarchy.corner);

@@ -94,10 +94,10 @@ grid_point difference(const grid_point& a, const grid_point& b) { return {a[0] -
 
 /// A ray against a triangle, and by how much the hardware may be off.
 struct meeting {
-  bool ahead = false;            // the plane, of a ray that is not parallel
-  real share[3] = {};            // barycentric coordinates
-  real t = 0, t_off = 0;         // grid units from the ray's origin
-  real u_off = 0, v_off = 0;     // of the coordinates of vertices 2 and 1
+  bool ahead = false;         // the plane, of a ray that is not parallel
+  real share[3] = {};         // barycentric coordinates
+  real t = 0, t_off = 0;      // grid units from the ray's origin
+  real u_off = 0, v_off = 0;  // of the coordinates of vertices 2 and 1
   bool surely = false, maybe = false;
 };
 
@@ -332,7 +332,8 @@ TEST_CASE("exact triangles: of the teapot's rays the distance is the exact one w
   design d;
   d.choose<bih_kind>();
   const quantisation& q = d.of<bih_kind>().words;
-  const triangle_model model = load_triangles(file, q, bih_builder_params{}.leaf_triangles, d.of<bih_kind>().core.address_bits, what.model.patch_quads);
+  const triangle_model model =
+      load_triangles(file, q, bih_builder_params{}.leaf_triangles, d.of<bih_kind>().core.address_bits, what.model.patch_quads);
   triangle_scene s = scene_of(quantise(read_mesh(file, what.model.patch_quads), q, file).corners, q, bih_builder_params{}.leaf_triangles,
                               d.of<bih_kind>().core.address_bits);
   REQUIRE(s.triangles.size() == model.hierarchy.triangles.size());

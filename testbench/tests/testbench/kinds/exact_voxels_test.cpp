@@ -50,7 +50,8 @@ results simulate(const design& d, const test::model& m, const std::vector<job_pa
 
 results replayed(const design& d, const test::model& m, const std::vector<job_packet>& jobs) {
   results all(jobs.size());
-  replay(d, {}, svo_walker(d.of<svo_kind>(), m.image.words), jobs, 2, [&](cycle, const traversal_result& r, std::uint64_t) { note(all, r); });
+  replay(d, {}, svo_walker(d.of<svo_kind>(), m.image.words), jobs, 2,
+         [&](cycle, const traversal_result& r, std::uint64_t) { note(all, r); });
   return all;
 }
 

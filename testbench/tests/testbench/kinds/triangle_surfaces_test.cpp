@@ -19,10 +19,10 @@ namespace {
 const char* const mesh_text =
     "v 0 0 0\nv 0 2 0\nv 0 0 1\nv 0 2 1\nv 4 0 0\nv 4 2 0\nv 4 0 1\nv 4 2 1\nv 1 1 .5\nv 1.0001 1 .5\nv 1 1.0001 .5\n"
     "f 1 2 2\n"
-    "f 1 3 4 2\n"    // to the left, as the right hand has it
+    "f 1 3 4 2\n"  // to the left, as the right hand has it
     "f 9 10 11\n"
-    "f 5 6 8 7\n"    // to the right
-    "f 1 5 4\n";     // down and forward
+    "f 5 6 8 7\n"                                        // to the right
+    "f 1 5 4\n";                                         // down and forward
 constexpr std::uint32_t left = 0, right = 2, slope = 4;  // triangles
 
 quantisation grid_of_12_bits() {

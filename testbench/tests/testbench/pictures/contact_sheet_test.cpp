@@ -37,7 +37,8 @@ frame mixed_frame(unsigned width, unsigned height) {
   where.cells = 4;
   for (std::uint32_t i = 0; i < width * height; ++i) {
     where.points.emplace_back();
-    where.voxels.push_back({static_cast<std::uint32_t>(random() % 4), static_cast<std::uint32_t>(random() % 4), static_cast<std::uint32_t>(random() % 4)});
+    where.voxels.push_back(
+        {static_cast<std::uint32_t>(random() % 4), static_cast<std::uint32_t>(random() % 4), static_cast<std::uint32_t>(random() % 4)});
     if (i == width + 1) continue;
     traversal_result r;
     r.job_word = i;
@@ -93,7 +94,8 @@ struct sheet_of {
     for (std::size_t x = left(panel); x + 13 <= left(panel) + panel_width; ++x) {
       bool box = true;
       for (std::size_t i = 0; i < 13; ++i)
-        box &= sheet.at(x, y + i) == border && sheet.at(x + 12, y + i) == border && sheet.at(x + i, y) == border && sheet.at(x + i, y + 12) == border;
+        box &= sheet.at(x, y + i) == border && sheet.at(x + 12, y + i) == border && sheet.at(x + i, y) == border &&
+               sheet.at(x + i, y + 12) == border;
       if (box) all.push_back(sheet.at(x + 6, y + 6));
     }
     return all;
@@ -106,8 +108,8 @@ struct sheet_of {
     algo::fill(paper, {1.0f, 1.0f, 1.0f}, {}, 1);
     const auto pen = [&](std::size_t i) { return static_cast<float>((ink[i] + 0.5) / 255.5); };
     const float shown[] = {pen(0), pen(1), pen(2)};
-    algo::render_text(paper, static_cast<int>(x), line, text, size, fmt::format("/usr/share/fonts/truetype/dejavu/{}.ttf", font), shown, align,
-                      algo::TextAlignY::Baseline, 0, {}, 1);
+    algo::render_text(paper, static_cast<int>(x), line, text, size, fmt::format("/usr/share/fonts/truetype/dejavu/{}.ttf", font), shown,
+                      align, algo::TextAlignY::Baseline, 0, {}, 1);
     for (int y = line - size / 2; y < line + 3; ++y)  // digits and letters in their middle
       for (std::size_t column = from_x; column < past_x; ++column) {
         std::array<float, 3> wanted{};
@@ -255,7 +257,8 @@ TEST_CASE("contact sheet: a frame of another shape stands in its panel's middle"
   const rgb& corner = s.sheet.at(s.left(1) + 160, first_panel);
   CHECK(corner == s.maps[1].at(0, 0));
   CHECK(s.sheet.at(s.left(1) + 160 + 159, first_panel + 479) == s.maps[1].at(9, 29));
-  for (const std::size_t x : {std::size_t{0}, std::size_t{159}, std::size_t{320}, std::size_t{479}}) CHECK(s.sheet.at(s.left(1) + x, first_panel + 200) == background);
+  for (const std::size_t x : {std::size_t{0}, std::size_t{159}, std::size_t{320}, std::size_t{479}})
+    CHECK(s.sheet.at(s.left(1) + x, first_panel + 200) == background);
   const sheet_of flat(mixed_frame(48, 2));  // 20 high: held at 120
   CHECK(flat.sheet.at(flat.left(1), first_panel + 49) == background);
   CHECK(flat.sheet.at(flat.left(1), first_panel + 50) == flat.maps[1].at(0, 0));

@@ -99,7 +99,8 @@ rgb hashed(std::uint64_t n) {
   n ^= n >> 33;
   n *= 0xc4ceb9fe1a85ec53u;
   n ^= n >> 33;
-  constexpr double colours[8][3] = {{230, 159, 0}, {86, 180, 233}, {0, 158, 115}, {240, 228, 66}, {0, 114, 178}, {213, 94, 0}, {204, 121, 167}, {136, 136, 136}};
+  constexpr double colours[8][3] = {{230, 159, 0}, {86, 180, 233}, {0, 158, 115},   {240, 228, 66},
+                                    {0, 114, 178}, {213, 94, 0},   {204, 121, 167}, {136, 136, 136}};
   const double* c = colours[n & 7];
   const auto shade = (n >> 8) % 4;
   rgb shown{};
@@ -123,7 +124,8 @@ test::layers layers_of(const test::scratch_folder& tmp, const frame& f) {
 TEST_CASE("picture values: voxel faces to both sides of each axis") {
   const test::scratch_folder tmp;
   const frame f = six_faces();
-  CHECK(written(tmp, f, "").pixels == std::vector<rgb>{{178, 178, 178}, {178, 178, 178}, {229, 229, 229}, {229, 229, 229}, {127, 127, 127}, {127, 127, 127}});
+  CHECK(written(tmp, f, "").pixels ==
+        std::vector<rgb>{{178, 178, 178}, {178, 178, 178}, {229, 229, 229}, {229, 229, 229}, {127, 127, 127}, {127, 127, 127}});
   CHECK(written(tmp, f, ".normal").pixels ==
         std::vector<rgb>{{0, 127, 127}, {255, 127, 127}, {127, 0, 127}, {127, 255, 127}, {127, 127, 0}, {127, 127, 255}});
   auto channels = layers_of(tmp, f);
@@ -135,7 +137,8 @@ TEST_CASE("picture values: voxel faces to both sides of each axis") {
 
 TEST_CASE("picture values: triangles shaded by a light from above, normals as colours") {
   const test::scratch_folder tmp;
-  const frame f = triangles_of({{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}, {0, 0.6f, -0.8f}, {-0.8f, 0, 0.6f}, {0.4f, 0.8f, 0.447f}});
+  const frame f = triangles_of(
+      {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}, {0, 0.6f, -0.8f}, {-0.8f, 0, 0.6f}, {0.4f, 0.8f, 0.447f}});
   // 0.2 + 0.75 (0.4 x + 0.8 y + 0.45 z + 1) / 2 of 255
   const int greys[] = {184, 108, 223, 70, 189, 103, 158, 141, 242};
   const auto shaded = written(tmp, f, ""), by_cost = written(tmp, f, ".cost"), normal = written(tmp, f, ".normal");
@@ -147,7 +150,7 @@ TEST_CASE("picture values: triangles shaded by a light from above, normals as co
     const double light = (greys[i] + 0.5) / 255;
     CHECK(red[i] == Approx(std::pow((light + 0.055) / 1.055, 2.4)).epsilon(0.02));
   }
-  const std::vector<rgb> expected{{255, 127, 127}, {0, 127, 127}, {127, 255, 127}, {127, 0, 127}, {127, 127, 255},
+  const std::vector<rgb> expected{{255, 127, 127}, {0, 127, 127},  {127, 255, 127}, {127, 0, 127},  {127, 127, 255},
                                   {127, 127, 0},   {127, 204, 25}, {25, 127, 204},  {178, 229, 184}};
   for (std::size_t i = 0; i < 9; ++i) CHECK(normal.pixels[i] == expected[i]);
 }
@@ -163,7 +166,8 @@ TEST_CASE("picture values: the light comes from above the eye's left and lights 
     const auto x = static_cast<float>(eye.toward_x), z = static_cast<float>(eye.toward_z);
     const std::array<float, 3> to_light{static_cast<float>(light[0]), static_cast<float>(light[1]), static_cast<float>(light[2])};
     // To the eye, its left, its right, up, down, to the light and away from it: sideways they cancel out.
-    const std::vector<std::array<float, 3>> normals{{x, 0, z},  {-z, 0, x}, {z, 0, -x}, {0, 1, 0}, {0, -1, 0}, to_light, {-to_light[0], -to_light[1], -to_light[2]}};
+    const std::vector<std::array<float, 3>> normals{
+        {x, 0, z}, {-z, 0, x}, {z, 0, -x}, {0, 1, 0}, {0, -1, 0}, to_light, {-to_light[0], -to_light[1], -to_light[2]}};
     const frame f = triangles_of(normals);
     const auto channels = layers_of(tmp, f);
     for (std::size_t i = 0; i < normals.size(); ++i) {
@@ -239,7 +243,8 @@ TEST_CASE("picture values: the sky at a corner is that of the method's integral"
       r.hit = true;
       f.store(r, 20, {1.0f, i % 64 < 32 ? std::array<float, 3>{0, 1, 0} : std::array<float, 3>{-1, 0, 0}, i});
       const vec p = point(i % 64, i / 64);
-      where.points.push_back({static_cast<float>(p[0]), static_cast<float>(p[1] + (tall || i % 64 < 32 ? 0 : reach)), static_cast<float>(p[2])});
+      where.points.push_back(
+          {static_cast<float>(p[0]), static_cast<float>(p[1] + (tall || i % 64 < 32 ? 0 : reach)), static_cast<float>(p[2])});
     }
     f.set_places(where);
     const auto channels = layers_of(tmp, f);
@@ -438,7 +443,8 @@ TEST_CASE("picture values: voxels by the 32nd of the cube they lie in, triangles
 
 TEST_CASE("picture values: every one of 16 cores has its colour") {
   const test::scratch_folder tmp;
-  const rgb bright[] = {{230, 159, 0}, {86, 180, 233}, {0, 158, 115}, {240, 228, 66}, {0, 114, 178}, {213, 94, 0}, {204, 121, 167}, {136, 136, 136}};
+  const rgb bright[] = {{230, 159, 0}, {86, 180, 233}, {0, 158, 115},   {240, 228, 66},
+                        {0, 114, 178}, {213, 94, 0},   {204, 121, 167}, {136, 136, 136}};
   frame f({32, 1}, 16);
   for (std::uint32_t i = 0; i < 32; ++i) {
     traversal_result r = i % 3 == 0 ? miss(i) : voxel_hit(i, 0, 1);

@@ -327,7 +327,8 @@ TEST_CASE("pictures: which voxel was hit") {
   f.store(hit(2, 1, 1, 1, 9, 0), 20);
   f.store(hit(3, 1, 1, 1, 9, 0), 20);  // of the same voxel
   f.store(miss(4, 9, 0), 20);
-  f.set_places({{{0, 0.1f, 0.1f}, {0, 0.1f, 0.1f}, {-0.9f, 1, -0.9f}, {-0.6f, 1, -0.6f}, {}}, {{2, 2, 2}, {1, 2, 2}, {0, 3, 0}, {0, 3, 0}, {}}, 4});
+  f.set_places(
+      {{{0, 0.1f, 0.1f}, {0, 0.1f, 0.1f}, {-0.9f, 1, -0.9f}, {-0.6f, 1, -0.6f}, {}}, {{2, 2, 2}, {1, 2, 2}, {0, 3, 0}, {0, 3, 0}, {}}, 4});
   write_picture(tmp.folder / "x.exr", f, picture_kind::layers);
   auto channels = exr_channels(tmp.folder / "x.exr");
   using values = std::vector<float>;
@@ -481,8 +482,7 @@ TEST_CASE("pictures: a disk that fills up is refused, and nothing is left there"
       try {
         write_picture(tmp.folder / name, f, kind_of(name));
         survived.push_back(name + (' ' + std::to_string(bytes)));
-      } catch (const input_error&) {
-      }
+      } catch (const input_error&) {}
       setrlimit(RLIMIT_FSIZE, &old);
     }
   std::signal(SIGXFSZ, old_handler);

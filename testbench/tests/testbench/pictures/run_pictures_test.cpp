@@ -40,14 +40,16 @@ struct recorded {
   test::layers channels;
   std::map<std::uint32_t, std::map<std::string, std::int64_t>> log;  // a line by its pixel
   std::vector<job_packet> jobs;
-  std::map<std::uint32_t, std::uint64_t> latency;                    // from the waveform, by pixel
+  std::map<std::uint32_t, std::uint64_t> latency;  // from the waveform, by pixel
   json record;
 
   explicit recorded(words arguments) {
     arguments.insert(arguments.begin(), "run");
-    for (const char* a : {"--set", "frame.width=32", "--set", "frame.height=20", "--set", "rtu.clock_mhz=100", "--quiet", "--log", "log.csv", "--save-jobs", "jobs.bin", "--stats",
-                          "s.json", "--image", "x.exr", "--image", "x.png", "--image", "x.heat.png", "--image", "x.wait.png",
-                          "--image", "x.depth.png", "--vcd", "w.vcd", "--vcd-all"})
+    for (const char* a :
+         {"--set",   "frame.width=32", "--set",      "frame.height=20", "--set",      "rtu.clock_mhz=100", "--quiet",     "--log",
+          "log.csv", "--save-jobs",    "jobs.bin",   "--stats",         "s.json",     "--image",           "x.exr",       "--image",
+          "x.png",   "--image",        "x.heat.png", "--image",         "x.wait.png", "--image",           "x.depth.png", "--vcd",
+          "w.vcd",   "--vcd-all"})
       arguments.emplace_back(a);
     CAPTURE(arguments);
     const test::outcome o = test::rtusim(folder, arguments);
@@ -80,7 +82,8 @@ struct recorded {
       CAPTURE(i);
       const auto line = log.find(i);
       if (line == log.end()) {
-        for (const char* name : {"hit", "depth", "cost", "latency", "wait", "normal.x", "normal.y", "normal.z", "position.x"}) CHECK(at(name, i) == 0);
+        for (const char* name : {"hit", "depth", "cost", "latency", "wait", "normal.x", "normal.y", "normal.z", "position.x"})
+          CHECK(at(name, i) == 0);
         CHECK(at("model", i) == -1);
         continue;
       }
@@ -161,8 +164,8 @@ TEST_CASE("run pictures: of voxel cores every pixel shows its line of the log") 
   for (const char* architecture : {"espe2019", "espe2019_as_built"}) {
     const bool as_built = std::string(architecture) != "espe2019";
     CAPTURE(architecture);
-    const recorded run({"--model", source + "testbench/golden/svo/models/dragon_32.svo", "--arch", source + "testbench/architectures/" + architecture + ".toml",
-                        "--set", "rtu.cores=3"});
+    const recorded run({"--model", source + "testbench/golden/svo/models/dragon_32.svo", "--arch",
+                        source + "testbench/architectures/" + architecture + ".toml", "--set", "rtu.cores=3"});
     run.check_numbers("cost", 6 + 1);  // the job manager's stages and the core's cycle of handing over
     run.check_depths();
     const json& eye = run.record["parameters"]["camera"]["position"];
@@ -197,7 +200,7 @@ TEST_CASE("run pictures: of voxel cores every pixel shows its line of the log") 
       const vec at = run.three("position", i), voxel = run.three("voxel", i);
       vec way{};
       for (std::size_t k = 0; k < 3; ++k) way[k] = at[k] - eye[k].get<double>();
-      if (!as_built) {  // where words tell but one of the axes that a ray runs down
+      if (!as_built) {                                                    // where words tell but one of the axes that a ray runs down
         CHECK(length_of(way) - depth == Approx(0.00115).margin(0.0005));  // rays begin on the near plane, 0.001 before the eye
         CHECK((way[axis] < 0) == down);
       }
@@ -217,8 +220,8 @@ TEST_CASE("run pictures: of voxel cores every pixel shows its line of the log") 
 }
 
 TEST_CASE("run pictures: of triangle cores every pixel shows its line of the log") {
-  const recorded run({"--model", source + "scenes/data/teapot.bpt", "--arch", source + "testbench/architectures/hanika2007.toml", "--set", "rtu.cores=2",
-                      "--set", "scene.patch_quads=4"});
+  const recorded run({"--model", source + "scenes/data/teapot.bpt", "--arch", source + "testbench/architectures/hanika2007.toml", "--set",
+                      "rtu.cores=2", "--set", "scene.patch_quads=4"});
   run.check_numbers("clocks", 72 + 45);  // the job manager's and the intersector's stages
   run.check_depths();
   const png shaded(run.folder / "x.png");
@@ -260,8 +263,9 @@ TEST_CASE("run pictures: of triangle cores every pixel shows its line of the log
 TEST_CASE("run pictures: a cube's faces, each with its normal, where it stands") {
   // A cube of 2 within a box of 4, which becomes one of 1.96 in the world; faces x, y, z in pairs as the file has them.
   const test::scratch_folder models;
-  const auto model = models.file("boxed.obj", test::bytes_of(source + "testbench/tests/cases/mesh_cube.obj") +
-                                                  "v -2 -2 -2\nv -2 -2 -1.99\nv -2 -1.99 -2\nv 2 2 2\nv 2 2 1.99\nv 2 1.99 2\nf 9 10 11\nf 12 13 14\n");
+  const auto model =
+      models.file("boxed.obj", test::bytes_of(source + "testbench/tests/cases/mesh_cube.obj") +
+                                   "v -2 -2 -2\nv -2 -2 -1.99\nv -2 -1.99 -2\nv 2 2 2\nv 2 2 1.99\nv 2 1.99 2\nf 9 10 11\nf 12 13 14\n");
   for (const char* t_halved : {"false", "true"}) {
     const recorded run({"--model", model.string(), "--arch", source + "testbench/architectures/hanika2007.toml", "--set",
                         std::string("errata.t_halved=") + t_halved, "--set", "quantisation.edge_shift=0"});
@@ -291,8 +295,10 @@ TEST_CASE("run pictures: the sheet's headline tells the model and the run") {
     std::string title, details;
   } runs[] = {
       {{"--model", voxels, "--set", "rtu.cores=1"}, "dragon_32.svo, 32 voxels an edge", "by 1 voxel core in "},
-      {{"--model", source + "testbench/tests/cases/mesh_cube.obj", "--arch", source + "testbench/architectures/hanika2007.toml", "--set", "rtu.cores=2", "--set", "rtu.clock_mhz=12.5"},
-       "mesh_cube.obj, 12 triangles", "by 2 triangle cores in "},
+      {{"--model", source + "testbench/tests/cases/mesh_cube.obj", "--arch", source + "testbench/architectures/hanika2007.toml", "--set",
+        "rtu.cores=2", "--set", "rtu.clock_mhz=12.5"},
+       "mesh_cube.obj, 12 triangles",
+       "by 2 triangle cores in "},
   };
   const auto grouped = [](const json& n) {
     std::string text = std::to_string(n.get<std::uint64_t>());
@@ -302,7 +308,8 @@ TEST_CASE("run pictures: the sheet's headline tells the model and the run") {
   for (const auto& r : runs) {
     words arguments = r.run;
     arguments.insert(arguments.begin(), "run");
-    for (const char* a : {"--set", "frame.width=48", "--set", "frame.height=32", "--quiet", "--stats", "s.json", "--image", "x.sheet.png"}) arguments.emplace_back(a);
+    for (const char* a : {"--set", "frame.width=48", "--set", "frame.height=32", "--quiet", "--stats", "s.json", "--image", "x.sheet.png"})
+      arguments.emplace_back(a);
     REQUIRE(test::rtusim(folder, arguments).status == 0);
     const json record = json::parse(test::bytes_of(folder / "s.json"));
     const json& s = record["statistics"];

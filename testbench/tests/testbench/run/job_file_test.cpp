@@ -64,8 +64,16 @@ TEST_CASE("job_file: more jobs than one write takes") {
 
 TEST_CASE("job_file: words are little-endian, in the packet's order, and none is refused") {
   const scratch tmp;
-  const std::string bytes("\x01\x02\x03\xf4" "\x00\x00\xc0\x7f" "\x00\x00\x80\xff" "\xff\xff\xff\xff"
-                          "\x10\x00\x00\x00" "\x20\x00\x00\x00" "\x30\x00\x00\x00" "\x0d\x0c\x0b\x0a", 32);
+  const std::string bytes(
+      "\x01\x02\x03\xf4"
+      "\x00\x00\xc0\x7f"
+      "\x00\x00\x80\xff"
+      "\xff\xff\xff\xff"
+      "\x10\x00\x00\x00"
+      "\x20\x00\x00\x00"
+      "\x30\x00\x00\x00"
+      "\x0d\x0c\x0b\x0a",
+      32);
   const auto jobs = read_jobs(tmp.file("raw.bin", bytes));
   REQUIRE(jobs.size() == 1);
   CHECK(jobs[0].job_word == 0xf4030201);

@@ -63,7 +63,8 @@ TEST_CASE("places: every hit names a filled voxel, next to the point where it li
     for (const char* model_file : {"dragon_32", "dragon_128", "deep_4096"}) {
       // From outside, from within the model, and along its faces.
       for (const char* view : {"camera.near=2", "camera.near=0.5", "camera.near=0.01"}) {
-        const run_setup s({"", source + "/testbench/architectures/" + architecture + ".toml",
+        const run_setup s({"",
+                           source + "/testbench/architectures/" + architecture + ".toml",
                            {"frame.width=96", "frame.height=54", "memory.address_bits=24", "svo_core.stack_depth=16", view},
                            source + "/testbench/golden/svo/models/" + model_file + ".svo"});
         const svo_model model(s.unit, s.what);

@@ -43,9 +43,16 @@ run_record made_up(unsigned cores) {
       "result": {"transferred": 400, "starved": 300, "held_back": 200, "idle": 100},
       "core_job_0": {"transferred": 1, "starved": 1, "held_back": 1, "idle": 1}}})");
   for (unsigned i = 0; i < cores; ++i)
-    r.statistics["core_" + std::to_string(i)] = {{"jobs", 400 + i}, {"hits", 9}, {"cost", 8}, {"cycles", {{"idle", 10 + i}, {"eval", 960 - 2 * i}, {"out", 30 + i}}}};
-  r.simulator = {{"pace", "skipping"},          {"run_seconds", 0.25},         {"all_seconds", 1.6489},        {"rays_per_second", 775108.5},
-                 {"cycles_per_second", 4198504.3}, {"ns_per_ray", 1290.1}, {"edges", 2565}, {"edges_per_ray", 1.979167}};
+    r.statistics["core_" + std::to_string(i)] = {
+        {"jobs", 400 + i}, {"hits", 9}, {"cost", 8}, {"cycles", {{"idle", 10 + i}, {"eval", 960 - 2 * i}, {"out", 30 + i}}}};
+  r.simulator = {{"pace", "skipping"},
+                 {"run_seconds", 0.25},
+                 {"all_seconds", 1.6489},
+                 {"rays_per_second", 775108.5},
+                 {"cycles_per_second", 4198504.3},
+                 {"ns_per_ray", 1290.1},
+                 {"edges", 2565},
+                 {"edges_per_ray", 1.979167}};
   return r;
 }
 
@@ -127,7 +134,8 @@ TEST_CASE("summary: what a run prints is what its record says", "[summary]") {
   const std::string voxels = source + "testbench/golden/svo/models/dragon_32.svo", mesh = source + "testbench/tests/cases/mesh_cube.obj";
   const words runs[] = {
       {"run", "--model", voxels, "--set", "rtu.cores=3"},
-      {"run", "--model", voxels, "--arch", source + "testbench/architectures/espe2019_as_built.toml", "--set", "rtu.cores=18", "--set", "sink.ready=lfsr"},
+      {"run", "--model", voxels, "--arch", source + "testbench/architectures/espe2019_as_built.toml", "--set", "rtu.cores=18", "--set",
+       "sink.ready=lfsr"},
       {"run", "--model", mesh, "--arch", source + "testbench/architectures/hanika2007.toml", "--set", "rtu.cores=2"},
   };
   for (words run : runs) {
@@ -147,10 +155,13 @@ TEST_CASE("summary: what a run prints is what its record says", "[summary]") {
                            whole(record["inputs"][triangles ? "model_triangles" : "model_words"]), triangles ? "triangles" : "words"));
     if (record["inputs"]["architecture"] == "")
       page.emplace_back("no --arch: the default design (testbench/architectures/espe2019.toml) with what --set changes");
-    const double cycles = number(s["total_cycles"]), rays = number(s["rays"]), hertz = 1e6 * number(record["parameters"]["rtu"]["clock_mhz"]);
-    page.push_back(printed("%14.0f cycles   %.0f rays, %.0f hits (%.1f %%)", cycles, rays, number(s["hits"]), 100 * number(s["hits"]) / rays));
+    const double cycles = number(s["total_cycles"]), rays = number(s["rays"]),
+                 hertz = 1e6 * number(record["parameters"]["rtu"]["clock_mhz"]);
+    page.push_back(
+        printed("%14.0f cycles   %.0f rays, %.0f hits (%.1f %%)", cycles, rays, number(s["hits"]), 100 * number(s["hits"]) / rays));
     page.push_back(printed("%14.3f cycles a ray", cycles / rays));
-    page.push_back(printed("%14.3f M rays/s and %.2f frames/s at the clock (%.3f ms)", rays / cycles * hertz / 1e6, hertz / cycles, 1e3 * cycles / hertz));
+    page.push_back(printed("%14.3f M rays/s and %.2f frames/s at the clock (%.3f ms)", rays / cycles * hertz / 1e6, hertz / cycles,
+                           1e3 * cycles / hertz));
     page.emplace_back();
     const json& latency = s["latency"];
     page.push_back(printed("latency of a ray, cycles: mean %.1f, half within %llu, 99 %% within %llu, most %llu", number(latency["mean"]),
@@ -167,25 +178,27 @@ TEST_CASE("summary: what a run prints is what its record says", "[summary]") {
     page.emplace_back("cores, share of all cycles:  idle   walk    out   jobs");
     const auto core_line = [&](const std::string& name, const json& core, double of) {
       const double out = triangles ? 0 : number(core["cycles"]["out"]), idle = number(core["cycles"]["idle"]);
-      page.push_back(printed("%27s %5.1f%% %5.1f%% %5.1f%% %6llu", name.c_str(), 100 * idle / of, 100 * (of - idle - out) / of, 100 * out / of, whole(core["jobs"])));
+      page.push_back(printed("%27s %5.1f%% %5.1f%% %5.1f%% %6llu", name.c_str(), 100 * idle / of, 100 * (of - idle - out) / of,
+                             100 * out / of, whole(core["jobs"])));
     };
     const auto cores = record["parameters"]["rtu"]["cores"].get<unsigned>();
     core_line("all", s[triangles ? "bih_core" : "svo_core"], cycles * cores);
     for (unsigned i = 0; i < cores; ++i)
       if (cores < 17 || i < 4 || i > cores - 5) core_line("core_" + std::to_string(i), s["core_" + std::to_string(i)], cycles);
-    if (triangles) page.push_back(printed("%27s %5.1f%% of the cores' walking clocks issue a triangle", "fill", 100 * number(s["bih_core"]["fill"])));
+    if (triangles)
+      page.push_back(printed("%27s %5.1f%% of the cores' walking clocks issue a triangle", "fill", 100 * number(s["bih_core"]["fill"])));
     page.emplace_back();
     page.emplace_back("channels, share of all cycles:  transferred  starved  held back   idle");
     for (const char* name : {"job", "pending_job", "result"}) {
       const json& c = s["channels"][name];
-      page.push_back(printed("%30s %11.1f%% %7.1f%% %9.1f%% %5.1f%%", name, 100 * number(c["transferred"]) / cycles, 100 * number(c["starved"]) / cycles,
-                             100 * number(c["held_back"]) / cycles, 100 * number(c["idle"]) / cycles));
+      page.push_back(printed("%30s %11.1f%% %7.1f%% %9.1f%% %5.1f%%", name, 100 * number(c["transferred"]) / cycles,
+                             100 * number(c["starved"]) / cycles, 100 * number(c["held_back"]) / cycles, 100 * number(c["idle"]) / cycles));
     }
     page.emplace_back();
     const json& m = record["simulator"];
-    page.push_back(printed("simulated in %.3f s (%s with everything: %.3f s): %.2f M rays/s, %.2f M cycles/s, %.2f edges a ray", number(m["run_seconds"]),
-                           m["pace"].get<std::string>().c_str(), number(m["all_seconds"]), rays / number(m["run_seconds"]) / 1e6,
-                           cycles / number(m["run_seconds"]) / 1e6, number(m["edges"]) / rays));
+    page.push_back(printed("simulated in %.3f s (%s with everything: %.3f s): %.2f M rays/s, %.2f M cycles/s, %.2f edges a ray",
+                           number(m["run_seconds"]), m["pace"].get<std::string>().c_str(), number(m["all_seconds"]),
+                           rays / number(m["run_seconds"]) / 1e6, cycles / number(m["run_seconds"]) / 1e6, number(m["edges"]) / rays));
     CHECK(lines_of(o.out) == page);
     CHECK(number(m["ns_per_ray"]) == Approx(1e9 * number(m["run_seconds"]) / rays));
   }
@@ -203,9 +216,17 @@ TEST_CASE("summary: the simulator's own figures", "[summary]") {
   f.clock.wake_ups = 17;
   config::report r;
   f.describe(r);
-  CHECK(r.values() == json{{"version", program_version()}, {"pace", "checked"}, {"run_seconds", 2.0}, {"all_seconds", 5.0},
-                           {"rays_per_second", 250.0}, {"cycles_per_second", 2000.0}, {"ns_per_ray", 4e6}, {"edges", 1250},
-                           {"unit_edges", 3000}, {"wake_ups", 17}, {"edges_per_ray", 2.5}});
+  CHECK(r.values() == json{{"version", program_version()},
+                           {"pace", "checked"},
+                           {"run_seconds", 2.0},
+                           {"all_seconds", 5.0},
+                           {"rays_per_second", 250.0},
+                           {"cycles_per_second", 2000.0},
+                           {"ns_per_ray", 4e6},
+                           {"edges", 1250},
+                           {"unit_edges", 3000},
+                           {"wake_ups", 17},
+                           {"edges_per_ray", 2.5}});
 }
 
 }  // namespace rtusim

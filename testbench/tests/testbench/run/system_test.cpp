@@ -97,7 +97,10 @@ outcome simulate(const design& d, const surroundings& s, const svo_image& image,
 TEST_CASE("system: every log of the original hardware, in every pace", "[system]") {
   const svo_image image = read_svo(golden + "models/dragon_32.svo");
   const auto jobs = read_jobs(golden + "sys/jobs_64x36_literal.bin.gz");
-  struct row { const char* regime; unsigned cores; };
+  struct row {
+    const char* regime;
+    unsigned cores;
+  };
   const row rows[] = {{"ideal", 1}, {"ideal", 2}, {"ideal", 4},  {"ideal", 16}, {"gap1", 4},
                       {"pace4", 1}, {"pace4", 4}, {"pace4", 16}, {"bp", 2},     {"bp", 8}};
   for (const row& r : rows) {

@@ -112,7 +112,8 @@ TEST_CASE("system: 100 random designs of triangle cores are the same in every pa
     std::vector<job_packet> jobs;
     for (std::uint32_t id = 0, n = 1 + random() % 150; id < n; ++id) jobs.push_back(test::random_triangle_packet(random, id, d, model));
 
-    CAPTURE(round, d.rtu.cores, d.of<bih_kind>().words.n, d.of<bih_kind>().words.m, model.triangles.size(), d.of<bih_kind>().core.rays_in_flight);
+    CAPTURE(round, d.rtu.cores, d.of<bih_kind>().words.n, d.of<bih_kind>().words.m, model.triangles.size(),
+            d.of<bih_kind>().core.rays_in_flight);
     const outcome skipping = simulate(d, s, model, jobs, pace::skipping);
     REQUIRE_FALSE(skipping.statistics.empty());
     for (const pace p : {pace::stepped, pace::checked}) {

@@ -64,7 +64,8 @@ TEST_CASE("sweep: from another folder nothing is run again, and the bytes are th
   const std::string csv = bytes_of(a / "out/results.csv"), json = bytes_of(a / "out/results.json");
   CHECK_THAT(rtusim(folder / "else/where", {"sweep", "../../a/sweep.toml", "--out", "../../a/out"}).out,
              Contains("5 points: 0 run now, 5 there before"));
-  CHECK_THAT(rtusim(folder / "else/where", {"sweep", (a / "sweep.toml").string(), "--out", (a / "out").string()}).out, Contains("0 run now"));
+  CHECK_THAT(rtusim(folder / "else/where", {"sweep", (a / "sweep.toml").string(), "--out", (a / "out").string()}).out,
+             Contains("0 run now"));
   CHECK(bytes_of(a / "out/results.csv") == csv);
   CHECK(bytes_of(a / "out/results.json") == json);
   // A copy of it all goes on with the results of the first.
@@ -72,7 +73,9 @@ TEST_CASE("sweep: from another folder nothing is run again, and the bytes are th
   CHECK(rtusim(folder / "else", {"sweep", "../b/sweep.toml", "--out", "../b/out"}).status == 0);
   CHECK(bytes_of(b / "out/results.csv") == csv);
   const std::string point = names_in(a / "out/points").front();
-  const auto inputs = [&](const fs::path& home) { return nlohmann::json::parse(bytes_of(home / "out/points" / point / "stats.json"))["inputs"]; };
+  const auto inputs = [&](const fs::path& home) {
+    return nlohmann::json::parse(bytes_of(home / "out/points" / point / "stats.json"))["inputs"];
+  };
   CHECK(inputs(a) == inputs(b));
   CHECK(inputs(a)["model"] == "../../../model.svo");
   CHECK(rtusim(folder / "else", {"rerun", (a / "out/points" / point / "stats.json").string()}).status == 0);
@@ -132,8 +135,9 @@ TEST_CASE("sweep: files that are replaced while it runs change none of its rows"
     }
     folder.file("design.toml", fmt::format("[svo_core]\nstack_depth = {}\n", width));
   };
-  const std::string lines = "[sweep]\nscenes = [\"first.toml\", \"second.toml\"]\narchitectures = [\"design.toml\"]\n"
-                            "[axes]\n\"rtu.cores\" = {from = 1, to = 40}\n";
+  const std::string lines =
+      "[sweep]\nscenes = [\"first.toml\", \"second.toml\"]\narchitectures = [\"design.toml\"]\n"
+      "[axes]\n\"rtu.cores\" = {from = 1, to = 40}\n";
   folder.file("sweep.toml", lines);
   write_scenes("dragon_32", 16);
   const words quietly{"sweep", "sweep.toml", "--quiet", "--out"};
@@ -274,7 +278,9 @@ TEST_CASE("sweep: what a loss of power tore is run again, and a torn mark is wri
   CHECK(folder.sweep(lines).status == 0);
   const std::string csv = bytes_of(folder / "out/results.csv");
   const auto points = names_in(folder / "out/points");
-  const auto put = [&](std::size_t point, const char* name, const std::string& bytes) { folder.file("out/points/" + points[point] + '/' + name, bytes); };
+  const auto put = [&](std::size_t point, const char* name, const std::string& bytes) {
+    folder.file("out/points/" + points[point] + '/' + name, bytes);
+  };
   const std::string record = bytes_of(folder / ("out/points/" + points[0] + "/stats.json"));
   put(0, "stats.json", "");
   put(1, "stats.json", record.substr(0, record.size() / 2));
@@ -285,7 +291,8 @@ TEST_CASE("sweep: what a loss of power tore is run again, and a torn mark is wri
   CHECK(bytes_of(folder / ("out/points/" + points[3] + "/image.png")).size() > 100);
 
   const std::string mark = bytes_of(folder / "out/sweep.json");
-  for (const std::string& torn : {std::string(), mark.substr(0, 10), std::string(mark.size(), '\0'), mark.substr(0, 10) + std::string(5, '\0')}) {
+  for (const std::string& torn :
+       {std::string(), mark.substr(0, 10), std::string(mark.size(), '\0'), mark.substr(0, 10) + std::string(5, '\0')}) {
     folder.file("out/sweep.json", torn);
     folder.file("out/results.csv", "");
     CHECK_THAT(folder.sweep(lines).out, Contains("5 points: 0 run now, 5 there before"));
@@ -311,7 +318,10 @@ TEST_CASE("sweep: a link in its folder leads nothing out of it", "[testbench]") 
 
 TEST_CASE("sweep: folders whose names are no UTF-8, or begin like an option", "[testbench]") {
   const scratch_folder folder;
-  const fs::path home = lay_out(folder, "gr\xfc\xdf" "e, 'quoted'", "dragon_32");
+  const fs::path home = lay_out(folder,
+                                "gr\xfc\xdf"
+                                "e, 'quoted'",
+                                "dragon_32");
   for (const char* out : {"out", "-x"}) {
     INFO(out);
     const outcome o = rtusim(home, {"sweep", "sweep.toml", std::string("--out=") + out});
@@ -337,8 +347,10 @@ TEST_CASE("sweep: a Slurm array's points, and those of one that was cancelled", 
   CHECK(rtusim(home, {"sweep", "sweep.toml", "--out", "whole"}).status == 0);
   fs::create_directories(folder / "bin");
   // Runs the tasks that LAST lets it, one after the other.
-  const fs::path sbatch = folder.file("bin/sbatch", "#!/bin/sh\necho Submitted batch job 1\n"
-                                                    "for i in $(seq 0 \"$(cat \"${0%/*}/last\")\"); do SLURM_ARRAY_TASK_ID=$i sh \"$2\" || exit 1; done\n");
+  const fs::path sbatch =
+      folder.file("bin/sbatch",
+                  "#!/bin/sh\necho Submitted batch job 1\n"
+                  "for i in $(seq 0 \"$(cat \"${0%/*}/last\")\"); do SLURM_ARRAY_TASK_ID=$i sh \"$2\" || exit 1; done\n");
   fs::permissions(sbatch, fs::perms::owner_all);
   const std::string path = (folder / "bin").string() + ":/usr/bin:/bin";
   limits with_slurm;
@@ -364,8 +376,11 @@ TEST_CASE("sweep: values that take back what a scene gives, and tables with unit
   folder.file("scene.toml", bytes_of(folder / "scene.toml") + "[camera]\nposition = [1, 2, 3]\n");
   const std::string lines = header + "record = [\"rays\", \"cycles_per_ray\"]\n[axes]\n\"camera.kind\" = [\"orbit\"]\n";
   CHECK_THAT(folder.sweep(lines).out, Contains("1 failed"));
-  const outcome o = folder.sweep(lines + "\"camera.position\" = [\"default\"]\n\"rtu.cores\" = [4]\n\"rtu.clock_mhz\" = {from = 0.1, to = 0.3, step = 0.2}\n"
-                                 "\"driver.last_sign_only\" = [false]\n\"camera.target\" = [[0, 0.1, -0.25]]\n", "out", {"--units"});
+  const outcome o =
+      folder.sweep(lines +
+                       "\"camera.position\" = [\"default\"]\n\"rtu.cores\" = [4]\n\"rtu.clock_mhz\" = {from = 0.1, to = 0.3, step = 0.2}\n"
+                       "\"driver.last_sign_only\" = [false]\n\"camera.target\" = [[0, 0.1, -0.25]]\n",
+                   "out", {"--units"});
   CHECK(o.err.empty());
   const auto rows = rows_of(folder / "out/results.csv");
   REQUIRE(rows.size() == 3);
@@ -384,8 +399,8 @@ TEST_CASE("sweep: values that take back what a scene gives, and tables with unit
 TEST_CASE("The sources' checksum is that of their names and contents, wherever they lie", "[testbench]") {
   const scratch_folder folder;
   const auto checksum = [&](const char* tree) {
-    const std::string command = fmt::format("'{}' '-DROOT={}' '-DOUTPUT={}' -P '{}'", RTUSIM_CMAKE, (folder / tree).string(), (folder / "made.cpp").string(),
-                                            RTUSIM_SOURCE_DIR "/testbench/sweep/source_checksum.cmake");
+    const std::string command = fmt::format("'{}' '-DROOT={}' '-DOUTPUT={}' -P '{}'", RTUSIM_CMAKE, (folder / tree).string(),
+                                            (folder / "made.cpp").string(), RTUSIM_SOURCE_DIR "/testbench/sweep/source_checksum.cmake");
     REQUIRE(std::system(command.c_str()) == 0);
     const std::string text = bytes_of(folder / "made.cpp");
     return text.substr(text.find("return \""));

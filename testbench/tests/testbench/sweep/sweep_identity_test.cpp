@@ -41,7 +41,8 @@ std::vector<sweep_task> tasks(const scratch_folder& folder, const std::string& s
                               const std::string& lines) {
   const std::string designs = architecture.empty() ? "" : "architectures = [\"" + architecture + "\"]\n";
   // The tasks point into the plan, which does not outlive them.
-  std::vector<sweep_task> all = tasks_of(sweep_plan(folder.file("sweep.toml", "[sweep]\nscenes = [\"" + scene + "\"]\n" + designs + lines)));
+  std::vector<sweep_task> all =
+      tasks_of(sweep_plan(folder.file("sweep.toml", "[sweep]\nscenes = [\"" + scene + "\"]\n" + designs + lines)));
   for (sweep_task& t : all) t.point = nullptr;
   return all;
 }
@@ -137,8 +138,8 @@ struct base {
   std::set<std::string> unread;
 };
 
-const std::set<std::string> of_octree_cores{"driver.last_sign_only", "driver.only_zero_replaced", "fixed_point", "float_to_fixed", "svo_core",
-                                            "memory"};
+const std::set<std::string> of_octree_cores{
+    "driver.last_sign_only", "driver.only_zero_replaced", "fixed_point", "float_to_fixed", "svo_core", "memory"};
 const std::set<std::string> of_triangle_cores{"driver.norm", "driver.skip_misses", "quantisation", "bih_builder",
                                               "bih_core",    "t_div.kind",         "triangle_unit"};
 const std::set<std::string> of_thesis{"camera.near", "camera.far", "camera.rotation"};
@@ -158,27 +159,33 @@ std::vector<base> bases() {
   return {
       // A memory and a stack that just hold the octree.
       {"[scene]\nmodel = \"octree.svo\"\n" + frame, "[memory]\naddress_bits = 10\n[svo_core]\nstack_depth = 4\n",
-       all_of({of_triangle_cores, of_aimed, of_orbit,
+       all_of({of_triangle_cores,
+               of_aimed,
+               of_orbit,
                {"source.gap_cycles", "source.interval_cycles", "source.seed", "sink.seed", "scene.rays", "scene.resolution",
                 "scene.patch_quads", "camera.height"}})},
       {"[scene]\nmodel = \"mesh.obj\"\n" + frame + "[camera]\nkind = \"look_at\"\n[source]\nvalid = \"gap\"\n", "",
-       all_of({of_triangle_cores, of_thesis, of_orbit,
+       all_of({of_triangle_cores,
+               of_thesis,
+               of_orbit,
                {"source.interval_cycles", "source.seed", "sink.seed", "scene.rays", "scene.patch_quads", "camera.height"}})},
       {"[scene]\nmodel = \"patch.bpt\"\n" + frame +
            "[camera]\nkind = \"orbit\"\nprojection = \"orthographic\"\n[source]\nvalid = \"lfsr\"\n[sink]\nready = \"lfsr\"\n",
        "",
-       all_of({of_triangle_cores, of_thesis,
+       all_of({of_triangle_cores,
+               of_thesis,
                {"source.gap_cycles", "source.interval_cycles", "scene.rays", "camera.position", "camera.vertical_fov_degrees"}})},
       {"[scene]\nmodel = \"octree.svo\"\nrays = \"rays.csv\"\n" + frame, "",
        all_of({of_triangle_cores,
                {"source.gap_cycles", "source.interval_cycles", "source.seed", "sink.seed", "scene.resolution", "scene.patch_quads",
                 "camera"}})},
       {"[scene]\nmodel = \"mesh.obj\"\n" + frame, "[rtu]\ncore = \"bih\"\n[bih_builder]\nleaf_triangles = 2\n[source]\nvalid = \"paced\"\n",
-       all_of({of_octree_cores, of_aimed, of_orbit,
+       all_of({of_octree_cores,
+               of_aimed,
+               of_orbit,
                {"source.gap_cycles", "source.seed", "sink.seed", "scene.rays", "scene.patch_quads", "camera.height"}})},
       {"[scene]\nmodel = \"patch.bpt\"\nrays = \"rays.csv\"\n" + frame, "[rtu]\ncore = \"bih\"\n",
-       all_of({of_octree_cores,
-               {"source.gap_cycles", "source.interval_cycles", "source.seed", "sink.seed", "camera"}})},
+       all_of({of_octree_cores, {"source.gap_cycles", "source.interval_cycles", "source.seed", "sink.seed", "camera"}})},
   };
 }
 
@@ -224,7 +231,8 @@ shared shared_of(const run_setup& s) {
   try {
     const auto model = load_model(s.unit, s.what);
     const sent_jobs sent = model->jobs(s.unit, s.what, 1, false);
-    for (const job_packet& j : sent.packets) all.jobs.push_back({j.job_word, j.t0[0], j.t0[1], j.t0[2], j.t1[0], j.t1[1], j.t1[2], j.address});
+    for (const job_packet& j : sent.packets)
+      all.jobs.push_back({j.job_word, j.t0[0], j.t0[1], j.t0[2], j.t1[0], j.t1[1], j.t1[2], j.address});
     if (const auto* of_triangles = dynamic_cast<const bih_model*>(model.get())) {
       const triangle_model* const t = &of_triangles->triangles();
       all.hierarchy = t->hierarchy.words;
@@ -250,8 +258,8 @@ shared shared_of(const run_setup& s) {
 }
 
 /// What rays' walks, their packets and the model in the memories depend on. All else leaves them as they are.
-const std::set<std::string> walked_on{"scene",    "frame",        "camera",      "driver",                "fixed_point", "float_to_fixed", "svo_core",
-                                      "memory",   "quantisation", "bih_builder", "bih_core.address_bits", "rtu.core"};
+const std::set<std::string> walked_on{"scene",    "frame",  "camera",       "driver",      "fixed_point",           "float_to_fixed",
+                                      "svo_core", "memory", "quantisation", "bih_builder", "bih_core.address_bits", "rtu.core"};
 
 }  // namespace
 
@@ -304,9 +312,10 @@ TEST_CASE("sweep identity: points share their walks exactly where these are the 
         if (is_among(b.unread, p.key)) continue;
         const turns t = turns_of(p);
         for (const std::string& other : t.others) {
-          const sweep_plan plan(folder.file("sweep.toml", fmt::format("[sweep]\nscenes = [\"scene.toml\"]\narchitectures = [\"architecture.toml\"]\n"
-                                                                      "[axes]\n\"{}\" = [{}, {}]\n",
-                                                                      p.key, t.now, other)));
+          const sweep_plan plan(
+              folder.file("sweep.toml", fmt::format("[sweep]\nscenes = [\"scene.toml\"]\narchitectures = [\"architecture.toml\"]\n"
+                                                    "[axes]\n\"{}\" = [{}, {}]\n",
+                                                    p.key, t.now, other)));
           const auto two = tasks_of(plan);
           CAPTURE(b.scene, p.key, t.now, other);
           REQUIRE(two.size() == 2);
@@ -331,9 +340,9 @@ TEST_CASE("sweep identity: points share their walks exactly where these are the 
     CHECK(std::any_of(changed.begin(), changed.end(), [&](const std::string& c) { return is_among({key}, c); }));
   }
   // And of all else nothing was, so that points do share.
-  for (const char* key : {"rtu.cores", "rtu.clock_mhz", "scheduler.policy", "result_manager.valid_withdrawn", "source.valid", "source.gap_cycles",
-                          "source.interval_cycles", "source.seed", "sink.ready", "sink.seed", "watchdog.cycles", "bih_core.rays_in_flight",
-                          "bih_core.early_out", "t_div.kind", "triangle_unit.t_halved"}) {
+  for (const char* key : {"rtu.cores", "rtu.clock_mhz", "scheduler.policy", "result_manager.valid_withdrawn", "source.valid",
+                          "source.gap_cycles", "source.interval_cycles", "source.seed", "sink.ready", "sink.seed", "watchdog.cycles",
+                          "bih_core.rays_in_flight", "bih_core.early_out", "t_div.kind", "triangle_unit.t_halved"}) {
     CAPTURE(key);
     CHECK(kept.count(key) == 1);
     CHECK(changed.count(key) == 0);
@@ -344,7 +353,9 @@ TEST_CASE("sweep identity: what files hold counts, not where they lie", "[testbe
   const scratch_folder folder;
   write_inputs(folder);
   fs::create_directory(folder / "elsewhere");
-  const auto in = [](const std::string& model, const std::string& more = "") { return "[scene]\nmodel = \"" + model + "\"\n" + small_frame + more; };
+  const auto in = [](const std::string& model, const std::string& more = "") {
+    return "[scene]\nmodel = \"" + model + "\"\n" + small_frame + more;
+  };
   const auto differ = [](const sweep_task& a, const sweep_task& b) {
     CHECK(a.identity != b.identity);
     CHECK(a.name != b.name);

@@ -211,11 +211,13 @@ TEST_CASE("sweep: a point that fails is a row with its reason", "[testbench]") {
   CHECK_THAT(folder.sweep(header + "record = [\"hits\"]\n[axes]\n\"rtu.cores\" = [0]\n").out, Contains("1 failed"));
 
   // The reasons by their frequency, also where nothing else is told.
-  const outcome many = folder.sweep(header + "[axes]\n\"svo_core.stack_depth\" = [2, 11]\n\"rtu.cores\" = [0, 1, 2, 2000]\n", "many", {"--quiet"});
+  const outcome many =
+      folder.sweep(header + "[axes]\n\"svo_core.stack_depth\" = [2, 11]\n\"rtu.cores\" = [0, 1, 2, 2000]\n", "many", {"--quiet"});
   CHECK(many.status == 1);
   CHECK(many.out.empty());
-  CHECK_THAT(many.err, Contains("rtusim: 2 points failed: --set: rtu.cores = 0; ") && Contains("rtusim: 2 points failed: --set: rtu.cores = 2000; ") &&
-                           Contains("for a stack of 2\n") && Catch::EndsWith("sweep: 6 of 8 points failed; those that were run are run again with --retry-failed\n"));
+  CHECK_THAT(many.err, Contains("rtusim: 2 points failed: --set: rtu.cores = 0; ") &&
+                           Contains("rtusim: 2 points failed: --set: rtu.cores = 2000; ") && Contains("for a stack of 2\n") &&
+                           Catch::EndsWith("sweep: 6 of 8 points failed; those that were run are run again with --retry-failed\n"));
 }
 
 TEST_CASE("sweep: a point that can't be written, memory that is too small, and a full disk", "[testbench]") {
