@@ -23,8 +23,8 @@ namespace rtusim::config {
 class schema {
  public:
   /// Describes `params` as a section, or as more of one. Its present values become the defaults.
-  /// `home`: the kind of file its keys stand in, "a scene file"; empty: they stand in any. `after`: the section after which a new one stands in
-  /// records; at the end if empty.
+  /// `home`: the kind of file its keys stand in, "a scene file"; empty: they stand in any. `after`: the section after which a new one
+  /// stands in records; at the end if empty.
   template <class Params>
   void add(std::string_view name, Params& params, std::string_view home = {}, std::string_view after = {}) {
     section& s = place_for(name, after);
@@ -34,7 +34,8 @@ class schema {
     homes_[std::string(name)] = home;
   }
 
-  /// These parameters, and those of these sections, are read only while `condition` holds, on top of their own conditions; `words` says when.
+  /// These parameters, and those of these sections, are read only while `condition` holds, on top of their own conditions; `words` says
+  /// when.
   void read_when(const std::vector<std::string>& keys_or_sections, const std::function<bool()>& condition, const std::string& words);
 
   /// Lets the parameter `key` also be given as an array of tables with one entry, whose fields stand for other parameters:

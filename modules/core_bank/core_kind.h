@@ -11,15 +11,15 @@
 
 namespace rtusim {
 
-/// A view of what lies in the memories that cores of a kind read, as the host loaded it; each kind derives its own. What it views must outlive
-/// the cores.
+/// A view of what lies in the memories that cores of a kind read, as the host loaded it; each kind derives its own. What it views must
+/// outlive the cores.
 class memory_contents {
  public:
   virtual ~memory_contents() = default;
 };
 
-/// A kind of core, as the unit sees it: its word, its parameters, and how its cores are built. The list of them is in `modules/rtu/core_kinds.cpp`.
-/// One object belongs to one design, whose parameters of the kind it holds.
+/// A kind of core, as the unit sees it: its word, its parameters, and how its cores are built. The list of them is in
+/// `modules/rtu/core_kinds.cpp`. One object belongs to one design, whose parameters of the kind it holds.
 class core_kind {
  public:
   virtual ~core_kind() = default;

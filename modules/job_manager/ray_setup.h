@@ -24,9 +24,9 @@ struct ray_setup_stats {
 /// Makes a triangle core's ray of the host's floats: quantised, clipped to the scene's box, with reciprocal direction (Hanika 2007, sec.
 /// 2.1; the hardware for it is ours).
 ///
-/// The origin is cut to grid units, the direction to m bits, +-1.0 to +-(2^(m-1) - 1). A ray from outside enters the box at t = the greatest
-/// over the axes of floor(|plane - origin| 2^(m-1) / |dir|), at origin + floor(t dir / 2^(m-1)), which is then held within the box. The
-/// reciprocal is trunc(2^(m-1+C) / dir), saturated, from a divider of m+C+1 bits whose operands are 1 and dir.
+/// The origin is cut to grid units, the direction to m bits, +-1.0 to +-(2^(m-1) - 1). A ray from outside enters the box at t = the
+/// greatest over the axes of floor(|plane - origin| 2^(m-1) / |dir|), at origin + floor(t dir / 2^(m-1)), which is then held within the
+/// box. The reciprocal is trunc(2^(m-1+C) / dir), saturated, from a divider of m+C+1 bits whose operands are 1 and dir.
 class ray_setup {
  public:
   /// `corner`: the upper corner of the scene's box in grid units.

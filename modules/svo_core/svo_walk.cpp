@@ -25,7 +25,8 @@ unsigned smallest(const Int* v) {
   return v[0] <= v[1] && v[0] <= v[2] ? 0 : v[1] <= v[2] ? 1 : 2;
 }
 
-/// `Int` holds the fixed-point word; `Wrap` is the erratum tm_wrap, `Behind` the erratum negative_t. `Cube`: the cube that is hit is wanted.
+/// `Int` holds the fixed-point word; `Wrap` is the erratum tm_wrap, `Behind` the erratum negative_t. `Cube`: the cube that is hit is
+/// wanted.
 template <class Int, bool Wrap, bool Behind, bool Cube>
 svo_outcome walk(const traversal_job& job, const word_view& memory, const svo_core_params& p, svo_cube* cube) {
   using Unsigned = std::make_unsigned_t<Int>;

@@ -66,8 +66,8 @@ edge_faults find_turned_edges(const mesh& m);
 ///
 /// Polygons become triangles (see `triangulate`). Vertices keep their binary64 coordinates; those that agree in binary32 become one, the
 /// first, unless that would take an edge from a face; a mesh that lies further from the origin than 256 times its extent is moved there for
-/// the comparison. Points and lines are left out. `patch_quads` (1 to 256): quads along each side of a Bezier patch, see `tessellate`, whose
-/// triangles count as faces. Files beside a glTF are read if they lie, links followed, in its folder or below.
+/// the comparison. Points and lines are left out. `patch_quads` (1 to 256): quads along each side of a Bezier patch, see `tessellate`,
+/// whose triangles count as faces. Files beside a glTF are read if they lie, links followed, in its folder or below.
 /// Errors: input_error when the file can't be read, is cut short or garbled, claims more elements than it has, or is a mesh
 /// without triangles, without extent (or one beyond 1e-60 to 1e60), with a vertex that is not finite or with a triangle over a
 /// vertex that is not there.

@@ -10,9 +10,9 @@ namespace rtusim {
 /// Reads the vertices (`v`) and faces (`f`, formerly `fo`) of a Wavefront OBJ.
 ///
 /// A vertex is its first three numbers; up to four more, a weight (which is for curves alone) or colours, mean nothing here. Of a corner
-/// `v/t/n` the first index counts, from 1 or back from the last vertex so far; t and n are whole numbers or left out, and need not be there.
-/// Blanks before a line, remarks after it, and lines joined by a backslash are understood. Points, lines, normals, texture coordinates,
-/// groups and materials are left out, as are keywords that are not known.
+/// `v/t/n` the first index counts, from 1 or back from the last vertex so far; t and n are whole numbers or left out, and need not be
+/// there. Blanks before a line, remarks after it, and lines joined by a backslash are understood. Points, lines, normals, texture
+/// coordinates, groups and materials are left out, as are keywords that are not known.
 /// `place` names the file in errors.
 /// Errors: input_error with the line for vertices of other than 3 to 7 numbers, faces of fewer than three corners, malformed corners,
 /// vertices that are not in the file, and what would be lost in silence: free-form curves' and surfaces' (`curv`, `surf`), other files

@@ -20,8 +20,8 @@ struct ray_lanes {
 };
 
 /// A camera: one ray through each pixel's centre, row 0 on top. Rays of kind
-/// - `thesis` (Espe 2019, app. F `get_inv_proj`, `get_inv_view`, `get_ray`): clip space is OpenGL's, depth -1 to 1. The point at clip depth z
-///   is view^-1 (P^-1 (p, z, 1)), divided by its w; a ray starts at the point at z = -1 and points to the one at z = +1. view^-1 =
+/// - `thesis` (Espe 2019, app. F `get_inv_proj`, `get_inv_view`, `get_ray`): clip space is OpenGL's, depth -1 to 1. The point at clip
+///   depth z is view^-1 (P^-1 (p, z, 1)), divided by its w; a ray starts at the point at z = -1 and points to the one at z = +1. view^-1 =
 ///   T(position) R^T with R = Rx(0.5 sin(rotation x)) Ry(-rotation y). The two matrices are applied one after the other in binary64:
 ///   their product would give other last bits;
 /// - `look_at`: from `position` to `target`, with `up` upward in the picture; `orbit`: the same from a place on a sphere around `target`.

@@ -42,7 +42,8 @@ struct quantised_triangles {
 /// nothing when it has no area. `clamped` is set when an edge component was clamped to +-(2^(m-1) - 1).
 std::optional<accelerated_triangle> accelerate(const std::array<grid_point, 3>& corners, const quantisation& q, bool& clamped);
 
-/// Puts a mesh on the grid. `place` names it in errors. With `fit_edges` the edge shift is the greatest with which no edge is clamped, or 0.
+/// Puts a mesh on the grid. `place` names it in errors. With `fit_edges` the edge shift is the greatest with which no edge is clamped, or
+/// 0.
 /// Errors: input_error for a mesh without triangles, one whose box has no thickness on the grid along an axis, and one whose
 /// triangles all lose their area.
 quantised_triangles quantise(const mesh& m, const quantisation& q, const std::string& place);

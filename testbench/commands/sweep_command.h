@@ -22,14 +22,15 @@ struct sweep_options {
 
 /// Runs each point of a sweep file that has no result yet, and gathers all in two tables.
 ///
-/// In `out`: `points/NAME/` with the statistics file and pictures of each point, named by a hash of its design, its scene and what the model's
-/// files hold; `results.csv`, a row a point in the order of the plan: point, scene, architecture, a column for each axis, status, reason, a
-/// column for each figure; `results.json`, the same with the columns' units and meanings. A point's folder appears only when it is whole and on
-/// the disk, so what is there after an interruption, or a loss of power, counts, and what two sweeps share is run once. Results of another
-/// version of this program do not count. A point that fails is a row with its reason, and is not tried again unless that is asked for.
+/// In `out`: `points/NAME/` with the statistics file and pictures of each point, named by a hash of its design, its scene and what the
+/// model's files hold; `results.csv`, a row a point in the order of the plan: point, scene, architecture, a column for each axis, status,
+/// reason, a column for each figure; `results.json`, the same with the columns' units and meanings. A point's folder appears only when it
+/// is whole and on the disk, so what is there after an interruption, or a loss of power, counts, and what two sweeps share is run once.
+/// Results of another version of this program do not count. A point that fails is a row with its reason, and is not tried again unless that
+/// is asked for.
 ///
-/// Each input is read once, before the first point is run; a large one may be read again, and then must be what it was. A second sweep in the
-/// same folder waits for the first, but shares work side by side.
+/// Each input is read once, before the first point is run; a large one may be read again, and then must be what it was. A second sweep in
+/// the same folder waits for the first, but shares work side by side.
 ///
 /// Each point runs in a process of its own. Points with the same rays share their walks, where the schedule follows from these
 /// (see `replay`).

@@ -40,7 +40,8 @@ struct triangle_driver_params {
 /// How rays for voxel cores are set up.
 struct slab_rules {
   bool last_sign_only = false;  ///< the erratum of that name: `a` keeps only the last negative component, in x, y, z order
-  /// Parameters are to stay below it in magnitude, which a component near 0 would break; infinity as built, where only 0 itself is replaced.
+  /// Parameters are to stay below it in magnitude, which a component near 0 would break; infinity as built, where only 0 itself is
+  /// replaced.
   double limit = std::numeric_limits<double>::infinity();
 
   /// Of a design: the limit is the end of its fixed-point range.
@@ -50,8 +51,8 @@ struct slab_rules {
 /// The job packet of one ray, computed as the thesis' driver does (Espe 2019, sec. 4.1 and 6.2.1, app. F `get_initial_params`).
 ///
 /// The direction is normalised; a component of 0 becomes 0.0001; on an axis with a negative component origin and direction are mirrored and
-/// the axis' bit is set in `a`; t0 = (-1 - o)/d, t1 = (1 - o)/d for the root cube [-1, 1]^3. All in binary64; only t0 and t1 are rounded, to
-/// binary32, to nearest even, beyond its range to an infinity.
+/// the axis' bit is set in `a`; t0 = (-1 - o)/d, t1 = (1 - o)/d for the root cube [-1, 1]^3. All in binary64; only t0 and t1 are rounded,
+/// to binary32, to nearest even, beyond its range to an infinity.
 /// A component so small that t0 or t1 would reach `rules.limit` is taken as 0 is, but with its sign; where 0.0001 is too small as well, as
 /// the least that is not. Where that turns the ray by more than 2^-6, nothing is replaced, and the conversion counts the overflow.
 /// A direction of length 0 or that is no number gives NaN words, which the hardware takes like any others.

@@ -33,7 +33,8 @@ class host_kind {
 
   /// Its units that can be run alone.
   virtual std::vector<lone_unit> units() const { return {}; }
-  /// Of its parameters, hardware's and host's, the sections and keys that change the time of a run alone: neither rays nor walks depend on them.
+  /// Of its parameters, hardware's and host's, the sections and keys that change the time of a run alone: neither rays nor walks depend on
+  /// them.
   virtual std::vector<std::string> timing_only() const { return {}; }
   /// What figures of the host there are.
   virtual host_figures no_figures() const { return {}; }

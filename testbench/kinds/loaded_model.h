@@ -22,7 +22,8 @@
 
 namespace rtusim {
 
-/// What lies in the memories of the cores, and all that only the host's side of their kind knows: how rays become jobs, what a result means.
+/// What lies in the memories of the cores, and all that only the host's side of their kind knows: how rays become jobs, what a result
+/// means.
 class loaded_model {
  public:
   virtual ~loaded_model() = default;

@@ -15,8 +15,8 @@ namespace rtusim {
 
 /// An octree for voxel cores.
 ///
-/// Log: cycle, core, job_id (the whole job word), hit, t_hit and normal_axis (0 and -1 on a miss), cost, and what the bus carries: raw_t_hit,
-/// raw_normal_axis.
+/// Log: cycle, core, job_id (the whole job word), hit, t_hit and normal_axis (0 and -1 on a miss), cost, and what the bus carries:
+/// raw_t_hit, raw_normal_axis.
 class svo_model final : public loaded_model {
  public:
   /// Errors: those of `load_octree`.

@@ -21,8 +21,8 @@
 
 namespace rtusim::replaying {
 
-/// One replay. `Held`: an offered result stays and the sink is not always ready. `Policy`: of the scheduler. `Way`: what only the kind of core knows,
-/// each ray in its own type:
+/// One replay. `Held`: an offered result stays and the sink is not always ready. `Policy`: of the scheduler. `Way`: what only the kind of
+/// core knows, each ray in its own type:
 ///
 ///     static constexpr unsigned job_latency_cycles;                          // from accepted to dispatched at the earliest
 ///     explicit Way(const design&);

@@ -28,7 +28,8 @@ inline constexpr std::string_view run_pace_words[] = {"skipping", "stepped", "ch
 /// The quickest pace that covers a set-up.
 run_pace quickest_pace(const run_setup& s);
 
-/// What goes into a run before time does: the model in the memories, the rays on their way, and where several designs replay them, their walks.
+/// What goes into a run before time does: the model in the memories, the rays on their way, and where several designs replay them, their
+/// walks.
 struct run_inputs {
   /// Reads the model, settles what the set-up leaves to it, and makes the jobs; of `job_file`, if named, it reads them.
   /// `pictured`: each ray of a list needs a pixel. Errors: input_error for files that can't be used, and those of `loaded_model::jobs`.

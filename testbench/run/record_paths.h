@@ -10,8 +10,8 @@ namespace rtusim {
 /// (a pipe, a terminal), from where files are named in full.
 std::filesystem::path folder_of_record(const std::filesystem::path& record);
 
-/// A file as seen from a folder, `../models/a.svo`, whatever the current directory. Links to folders are followed, so that `..` leads to the
-/// same place for everybody; the file's own name stays. In full where `folder` is empty. An empty name stays empty.
+/// A file as seen from a folder, `../models/a.svo`, whatever the current directory. Links to folders are followed, so that `..` leads to
+/// the same place for everybody; the file's own name stays. In full where `folder` is empty. An empty name stays empty.
 std::filesystem::path named_from(const std::filesystem::path& folder, const std::filesystem::path& file);
 
 /// Where a file lies that a record in `folder` names so. An empty name stays empty.

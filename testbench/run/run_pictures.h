@@ -15,7 +15,8 @@ namespace rtusim {
 /// What a run's pictures show, gathered as results leave.
 class run_pictures {
  public:
-  /// `jobs`: of the run; until `finish` they and the others must stay. `from_driver`: the driver chose them, so that other pixels are misses.
+  /// `jobs`: of the run; until `finish` they and the others must stay. `from_driver`: the driver chose them, so that other pixels are
+  /// misses.
   run_pictures(const run_setup& s, const loaded_model& model, const std::vector<job_packet>& jobs, bool from_driver);
 
   void store(const traversal_result& r, std::uint64_t latency_cycles) {

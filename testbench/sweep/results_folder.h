@@ -22,8 +22,9 @@ struct point_failure {
 
 /// The folder of a sweep's results: `points/NAME/` and `failed/NAME` of each point, and the tables.
 ///
-/// Whatever is written gets its name when it is whole. Until then it lies under the name `.part-HOST-PID-START-WHAT`, of the process that writes it
-/// (`config::process_mark`); the next sweep removes those of processes of this host that are no more. Nothing is written through a link that lies here.
+/// Whatever is written gets its name when it is whole. Until then it lies under the name `.part-HOST-PID-START-WHAT`, of the process that
+/// writes it (`config::process_mark`); the next sweep removes those of processes of this host that are no more. Nothing is written through
+/// a link that lies here.
 class results_folder {
  public:
   enum class use {

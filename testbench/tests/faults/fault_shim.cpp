@@ -1,8 +1,8 @@
 // Stands between a program and the C library, by LD_PRELOAD, and lets a call fail that hardly ever does.
 //
 // FAULT_CALL=FUNCTION:N makes the Nth call of a function fail, counted from the start of main over all processes that are forked: malloc
-// (and all that comes down to it), open (for files of the program, by whatever name), write, fsync, rename, mkdir, close. `short:N` lets the
-// Nth write take only half of its bytes, which is no error. FAULT_COUNT=FILE leaves there how often each was called. FAULT_LOG=FILE
+// (and all that comes down to it), open (for files of the program, by whatever name), write, fsync, rename, mkdir, close. `short:N` lets
+// the Nth write take only half of its bytes, which is no error. FAULT_COUNT=FILE leaves there how often each was called. FAULT_LOG=FILE
 // leaves there what decides what a power cut would leave, a line each: `write PATH`, `sync PATH`, `rename FROM TO`, tabs between.
 
 #include <dlfcn.h>

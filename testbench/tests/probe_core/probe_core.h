@@ -22,7 +22,8 @@ struct probe_params {
 
 /// A core that needs no model: a ray hits if it meets the root cube, where it enters. It takes as long for every ray.
 ///
-/// Timing: a job accepted at edge e has its result offered from edge e + latency + 1 on; a job is taken again in the cycle after the result left.
+/// Timing: a job accepted at edge e has its result offered from edge e + latency + 1 on; a job is taken again in the cycle after the result
+/// left.
 class probe_core final : public unit {
  public:
   using params = probe_params;

@@ -40,7 +40,8 @@ std::vector<plain_ray> rays_of(const camera::params& view, const raster& size) {
   return rays;
 }
 
-/// Steps through the grid in long double: 1 for a hit, 0 for a miss, -1 where the ray moved sideways by `slack` world units finds something else.
+/// Steps through the grid in long double: 1 for a hit, 0 for a miss, -1 where the ray moved sideways by `slack` world units finds something
+/// else.
 int exact_hit(const voxel_grid& grid, const plain_ray& ray, long double slack) {
   const int n = static_cast<int>(grid.resolution());
   const auto meets = [&](long double shift_u, long double shift_v) {

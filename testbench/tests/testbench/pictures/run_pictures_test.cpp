@@ -189,7 +189,8 @@ TEST_CASE("run pictures: of voxel cores every pixel shows its line of the log") 
       CHECK(shaded.pixels[i] == rgb{grey, grey, grey});
       const double depth = static_cast<double>(run.at("depth", i));
       CHECK(depth == static_cast<double>(static_cast<float>(static_cast<double>(l.at("t_hit")) / 65536)));
-      // The face that a ray comes upon looks against it; a bit of the job word tells that the ray runs down that axis. As built it has no sign.
+      // The face that a ray comes upon looks against it; a bit of the job word tells that the ray runs down that axis. As built it has no
+      // sign.
       const bool down = (l.at("job_id") >> (28 + axis) & 1) != 0;
       vec expected{};
       expected[axis] = as_built || down ? 1 : -1;

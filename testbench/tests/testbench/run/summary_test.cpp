@@ -36,7 +36,8 @@ run_record made_up(unsigned cores) {
     "latency": {"mean": 48.66, "least": 12, "p50": 24, "p90": 119, "p99": 172, "most": 200},
     "cost": {"mean": 12.5, "least": 2, "p50": 3, "p90": 38, "p99": 77, "most": 98},
     "waits": {"conversion": 6.004, "dispatch": 26.4375, "traversal": 13.52932, "buffer": 0.486, "result": 48.66},
-    "svo_core": {"jobs": 991, "hits": 1, "cost": 2, "cycles": {"idle": 167, "init": 1, "eval": 300, "next": 100, "push": 200, "pop": 170, "out": 62}},
+    "svo_core": {"jobs": 991, "hits": 1, "cost": 2,
+       "cycles": {"idle": 167, "init": 1, "eval": 300, "next": 100, "push": 200, "pop": 170, "out": 62}},
     "channels": {
       "pending_job": {"transferred": 5, "starved": 10, "held_back": 25, "idle": 60},
       "job": {"transferred": 185, "starved": 2, "held_back": 812, "idle": 1},
