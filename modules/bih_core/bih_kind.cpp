@@ -64,7 +64,9 @@ void bih_kind::describe_units(config::schema& s, const readers& r) {
       {"t_div.width"}, [&alone = r.alone] { return alone == "t_div"; }, "the unit t_div is alone");
 }
 
-packet_widths bih_kind::packets() const { return {words.n + 3, words.m, words.n, words.m, words.m + words.reciprocal_bits}; }
+packet_widths bih_kind::packets() const {
+  return {words.n + 3, words.m, words.n, words.m, words.m + words.reciprocal_bits, "origin", "direction", false};
+}
 
 std::unique_ptr<bank_figures> bih_kind::no_figures() const {
   auto figures = std::make_unique<figures_of<triangle_job_manager::stats, bih_core::stats>>(name);

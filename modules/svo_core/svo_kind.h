@@ -46,7 +46,7 @@ class svo_kind final : public core_kind {
   void describe_formats(config::schema& s, const readers& r) override;
   void describe_units(config::schema& s, const readers& r) override;
   void describe_memories(config::schema& s, const readers& r) override;
-  packet_widths packets() const override { return {format.width(), 0, 0, 0, 0}; }
+  packet_widths packets() const override { return {format.width()}; }
   unsigned fraction_bits() const override { return format.fraction_bits; }
   std::string replay_obstacle() const override { return memory_.which == memory::kind::lut ? "" : "a memory that makes cores wait"; }
   std::unique_ptr<bank_figures> no_figures() const override;

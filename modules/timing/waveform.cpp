@@ -129,10 +129,9 @@ void waveform::close() {
 
 void trace_fields(waveform& w, const std::string& name, const job_packet& p) {
   w.add(p.job_word, name + ".job_word");
-  const bool triangles = w.widths().uv != 0;
-  if (!triangles) w.add(p.address, name + ".address");
-  trace_axes(w, name + (triangles ? ".origin_float_" : ".t0_float_"), p.t0, 32);
-  trace_axes(w, name + (triangles ? ".direction_float_" : ".t1_float_"), p.t1, 32);
+  if (w.widths().address) w.add(p.address, name + ".address");
+  trace_axes(w, name + '.' + w.widths().sent_first + "_float_", p.t0, 32);
+  trace_axes(w, name + '.' + w.widths().sent_second + "_float_", p.t1, 32);
 }
 
 void trace_fields(waveform& w, const std::string& name, const traversal_job& j) {

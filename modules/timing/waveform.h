@@ -18,13 +18,16 @@ namespace rtusim {
 
 class clock_domain;
 
-/// Bits of the packets' words, as which a waveform shows them.
+/// How a waveform shows the packets' words: their bits, 0 for those that a kind of core does not have.
 struct packet_widths {
-  unsigned t = 32;        ///< t of jobs and results
-  unsigned uv = 0;        ///< u and v of results; 0: the cores are no triangle cores
-  unsigned position = 0;  ///< of triangle jobs
+  unsigned t = 32;  ///< t of jobs and results
+  unsigned uv = 0;  ///< u and v of results
+  unsigned position = 0;
   unsigned direction = 0;
   unsigned reciprocal = 0;
+  const char* sent_first = "t0";  ///< what the two triples of words are that the host sends
+  const char* sent_second = "t1";
+  bool address = true;  ///< whether jobs have one
 };
 
 /// A VCD file (IEEE 1364-2005, 18.2) of every channel, state and counter of a clock domain, for the cycles of a window.

@@ -82,7 +82,7 @@ class probe_kind final : public core_kind {
   std::unique_ptr<core_kind> copy() const override { return std::make_unique<probe_kind>(*this); }
   void describe_formats(config::schema&, const readers&) override {}
   void describe_units(config::schema& s, const readers& r) override;
-  packet_widths packets() const override { return {jobs.format.width(), 0, 0, 0, 0}; }
+  packet_widths packets() const override { return {jobs.format.width()}; }
   unsigned fraction_bits() const override { return jobs.format.fraction_bits; }
   std::string replay_obstacle() const override { return {}; }
   std::unique_ptr<bank_figures> no_figures() const override;
