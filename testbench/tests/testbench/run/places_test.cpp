@@ -67,7 +67,7 @@ TEST_CASE("places: every hit names a filled voxel, next to the point where it li
                            source + "/testbench/architectures/" + architecture + ".toml",
                            {"frame.width=96", "frame.height=54", "memory.address_bits=24", "svo_core.stack_depth=16", view},
                            source + "/testbench/golden/svo/models/" + model_file + ".svo"});
-        const svo_model model(s.unit, s.what);
+        const svo_model model(s.unit, s.what, {});
         const auto jobs = model.jobs(s.unit, s.what, 1, true).packets;
         const frame picture = traced(s, model, jobs);
         const frame::places where = model.places(s.unit, jobs, picture);

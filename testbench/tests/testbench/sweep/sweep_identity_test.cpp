@@ -229,7 +229,7 @@ struct shared {
 shared shared_of(const run_setup& s) {
   shared all;
   try {
-    const auto model = load_model(s.unit, s.what);
+    const auto model = s.host().load(s.unit, s.what);
     const sent_jobs sent = model->jobs(s.unit, s.what, 1, false);
     for (const job_packet& j : sent.packets)
       all.jobs.push_back({j.job_word, j.t0[0], j.t0[1], j.t0[2], j.t1[0], j.t1[1], j.t1[2], j.address});
