@@ -19,7 +19,6 @@ class probe_host final : public host_kind {
   bool needs_model() const override { return false; }
   std::unique_ptr<loaded_model> load(const design& d, const scene& what) const override;
   std::vector<lone_unit> units() const override;
-  std::vector<std::string> timing_only() const override { return {"probe_core"}; }
 };
 
 }  // namespace rtusim::test
