@@ -15,7 +15,7 @@ namespace rtusim {
 ///     class Order {
 ///       explicit Order(unsigned cores);
 ///       /// The first core of which `ready.line(core)` holds; `ready.lines()`, the number of cores, if there is none. `ready.lowest()` is
-///       /// the one with the lowest index, or the same.
+///       /// the one with the lowest index; `ready.lines()`, too, if there is none.
 ///       template <class Lines> unsigned first(const Lines& ready) const;
 ///       void took(unsigned core);  // a job
 ///     };
