@@ -20,6 +20,7 @@
 #include "scenes/voxels/octree_model.h"
 #include "scenes/voxels/svo_builder.h"
 #include "scenes/voxels/voxeliser.h"
+#include "testbench/commands/options.h"
 #include "testbench/run/progress_line.h"
 
 namespace rtusim {
@@ -141,6 +142,32 @@ std::string convert(const convert_options& o) {
   if (const unsigned usual = svo_limits().address_bits; address_bits > usual)
     told += fmt::format("more than the {} of the usual design: --set memory.address_bits={}\n", usual, address_bits);
   return told;
+}
+
+void add_convert(CLI::App& program) {
+  auto options = std::make_shared<convert_options>();
+  convert_options& o = *options;
+  CLI::App& app =
+      add_command(program, "convert", "make an octree or voxels of a mesh, or one of the other", options, [](const convert_options& asked) {
+        const std::string text = convert(asked);
+        if (!asked.quiet) fmt::print(config::stream_beside({asked.to}), "{}", text);
+      });
+  app.add_option("FROM", o.from, "a mesh, voxels (.binvox) or an octree (.svo)")->required()->type_name("");
+  app.add_option("TO", o.to, "OUT.svo or OUT.binvox")->required()->type_name("");
+  add_number(app, "--resolution", o.resolution, "N", "voxels an edge, a power of two up to 1024");
+  app.add_flag("--solid", o.solid, "the inside, too, of a closed mesh");
+  app.add_option("--up", o.up, "what points up in the mesh: x, y (usual), z, -x, -y or -z")->type_name("AXIS");
+  add_number(app, "--margin", o.margin, "M", "voxels left free at each face of the cube (0)");
+  const auto read_fit = [&o](const std::string& text) {
+    double value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error != std::errc{} || end != text.data() + text.size())
+      throw input_error("--fit", '"' + text + '"', "a number above 0, at most 1");
+    o.fit = value;
+  };
+  app.add_option_function<std::string>("--fit", read_fit, "share of the rest that the mesh's longest edge takes (0.98)")->type_name("F");
+  app.add_flag("--quiet", o.quiet, "no summary");
+  app.footer("Example: rtusim convert scenes/data/bunny.obj bunny.svo --resolution 128 --solid");
 }
 
 }  // namespace rtusim

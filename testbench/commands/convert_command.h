@@ -4,6 +4,10 @@
 #include <optional>
 #include <string>
 
+namespace CLI {
+class App;
+}
+
 namespace rtusim {
 
 /// What `rtusim convert` was asked for.
@@ -29,5 +33,8 @@ struct convert_options {
 /// Errors: input_error for files and options that can't be used, for a mesh that is not closed though `solid`, for filled voxels
 /// outside the middle.
 std::string convert(const convert_options& options);
+
+/// Adds the command to the program.
+void add_convert(CLI::App& program);
 
 }  // namespace rtusim

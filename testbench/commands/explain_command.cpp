@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "modules/config/error.h"
+#include "testbench/commands/options.h"
 #include "testbench/kinds/host_kind.h"
 #include "testbench/run/run_setup.h"
 #include "testbench/run/summary.h"
@@ -68,6 +69,13 @@ std::string explain_text(const std::string& key) {
   }
   if (!text.empty() && !figures.empty()) text += "\nFigures of the statistics file:\n\n";
   return text + figures;
+}
+
+void add_explain(CLI::App& program) {
+  auto key = std::make_shared<std::string>();
+  CLI::App& app = add_command(program, "explain", "every parameter and statistic: unit, range, meaning", key,
+                              [](const std::string& asked) { fmt::print("{}", explain_text(asked)); });
+  app.add_option("KEY", *key, "only what begins so")->type_name("");
 }
 
 }  // namespace rtusim

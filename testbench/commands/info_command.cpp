@@ -15,6 +15,7 @@
 #include "scenes/voxels/octree_model.h"
 #include "scenes/voxels/svo_builder.h"
 #include "scenes/voxels/voxeliser.h"
+#include "testbench/commands/options.h"
 #include "testbench/pictures/rgb_picture.h"
 #include "testbench/pictures/voxel_views.h"
 
@@ -91,6 +92,15 @@ std::string info_text(const std::filesystem::path& file, const std::filesystem::
   }
   if (is_octree(file)) return octree_text(file, image);
   return is_binvox(file) ? binvox_text(file, image) : mesh_text(file, image);
+}
+
+void add_info(CLI::App& program) {
+  auto files = std::make_shared<std::pair<std::string, std::string>>();
+  CLI::App& app = add_command(program, "info", "describe an octree, voxels or a mesh", files, [](const auto& asked) {
+    fmt::print(config::stream_beside({asked.second}), "{}", info_text(asked.first, asked.second));
+  });
+  app.add_option("FILE", files->first, "an octree (.svo), voxels (.binvox) or a mesh")->required()->type_name("");
+  app.add_option("--image", files->second, "OUT.png: three slices through the middle, and a view")->type_name("FILE");
 }
 
 }  // namespace rtusim

@@ -12,6 +12,7 @@
 #include "modules/config/input_ledger.h"
 #include "modules/config/json.h"
 #include "modules/config/printable.h"
+#include "testbench/commands/options.h"
 #include "testbench/run/procedure.h"
 #include "testbench/run/record_paths.h"
 #include "testbench/run/run_setup.h"
@@ -130,6 +131,27 @@ std::string difference_text(const std::filesystem::path& a, const std::filesyste
   std::string text;
   for (const char* part : {"inputs", "parameters", "statistics"}) text += differences_of(part, left, right);
   return text;
+}
+
+void add_rerun(CLI::App& program) {
+  auto options = std::make_shared<rerun_options>();
+  rerun_options& o = *options;
+  CLI::App& app =
+      add_command(program, "rerun", "run what a statistics file records once more: the figures must be the same", options, rerun);
+  app.add_option("STATS.json", o.record, "a statistics file")->required()->type_name("");
+  app.add_option("--stats", o.statistics, "the new statistics file")->type_name("FILE");
+  app.add_flag("--quiet", o.quiet, "no word when they are");
+}
+
+void add_diff(CLI::App& program) {
+  auto files = std::make_shared<std::pair<std::string, std::string>>();
+  CLI::App& app =
+      add_command(program, "diff", "what differs between two statistics files, in design and in result", files, [](const auto& two) {
+        const std::string text = difference_text(two.first, two.second);
+        fmt::print("{}", text.empty() ? "no difference\n" : text);
+      });
+  app.add_option("A.json", files->first, "a statistics file")->required()->type_name("");
+  app.add_option("B.json", files->second, "another")->required()->type_name("");
 }
 
 }  // namespace rtusim

@@ -4,6 +4,10 @@
 #include <string>
 #include <vector>
 
+namespace CLI {
+class App;
+}
+
 namespace rtusim {
 
 /// What `rtusim rerun` was asked for.
@@ -22,5 +26,9 @@ void rerun(const rerun_options& o);
 /// is left out. Empty when nothing differs.
 /// Errors: input_error for a file that is none.
 std::string difference_text(const std::filesystem::path& a, const std::filesystem::path& b);
+
+/// Add the commands `rerun` and `diff` to the program.
+void add_rerun(CLI::App& program);
+void add_diff(CLI::App& program);
 
 }  // namespace rtusim

@@ -11,6 +11,7 @@
 #include "modules/config/error.h"
 #include "modules/config/files.h"
 #include "modules/config/input_ledger.h"
+#include "testbench/commands/options.h"
 #include "testbench/pictures/pictures.h"
 #include "testbench/run/job_file.h"
 #include "testbench/run/procedure.h"
@@ -107,6 +108,51 @@ void run(const run_options& o) {
   if (!o.statistics.empty()) write_record(o.statistics, record);
   for (const std::string& warning : run.figures.warnings()) fmt::print(stderr, "rtusim: warning: {}\n", warning);
   if (!o.quiet) fmt::print(config::stream_beside(outputs), "{}", summary_text(record));
+}
+
+namespace {
+
+/// Adds the option for how a run comes by its cycles.
+void add_pace(CLI::App& app, run_pace& to) {
+  const auto read = [&to](const std::string& word) {
+    const auto found = std::find(std::begin(run_pace_words), std::end(run_pace_words), word);
+    if (found == std::end(run_pace_words)) throw input_error("--pace", '"' + word + '"', "skipping, stepped, checked or replay");
+    to = static_cast<run_pace>(found - std::begin(run_pace_words));
+  };
+  app.add_option_function<std::string>("--pace", read, "skipping, stepped, checked or replay")->type_name("PACE");
+}
+
+}  // namespace
+
+void add_run(CLI::App& program) {
+  auto options = std::make_shared<run_options>();
+  run_options& o = *options;
+  CLI::App& app = add_command(program, "run", "trace a scene with a design", options, run);
+  app.add_option("SCENE.toml", o.scene, "what is traced")->type_name("");
+  app.add_option("--arch", o.architecture, "the design, a TOML file")->type_name("FILE");
+  app.add_option("--set", o.assignments, "a parameter, see 'rtusim explain'; KEY=default takes back what a file gives")
+      ->type_name("KEY=VALUE")
+      ->allow_extra_args(false);
+  app.add_option("--model", o.model, "an octree (.svo), voxels (.binvox) or a mesh in place of the scene's")->type_name("FILE");
+  app.add_option("--jobs", o.jobs, "rays as job packets in place of the camera's")->type_name("FILE");
+  app.add_option("--save-jobs", o.save_jobs, "keep the job packets")->type_name("FILE");
+  add_pace(app, o.how);
+  app.add_option(
+         "--image", o.images,
+         fmt::format("a picture: OUT.sheet.png has all maps with legends; OUT.png is shaded; OUT.KIND.png with KIND {}; OUT.exr has all as "
+                     "float layers; may be repeated",
+                     picture_words()))
+      ->type_name("FILE")
+      ->allow_extra_args(false);
+  app.add_option("--stats", o.statistics, "all figures, JSON")->type_name("FILE");
+  app.add_option("--log", o.log, "a line for each result, CSV")->type_name("FILE");
+  app.add_option("--vcd", o.waveform, "a waveform")->type_name("FILE");
+  add_number(app, "--vcd-from", o.waveform_from, "CYCLE", "its first cycle");
+  add_number(app, "--vcd-to", o.waveform_to, "CYCLE", "its last cycle");
+  add_number(app, "--vcd-job", o.waveform_job, "ID", "or the id of the job that it follows");
+  app.add_flag("--vcd-all", o.waveform_all, "a waveform however large: of more than 500 MB it is refused without this");
+  app.add_flag("--quiet", o.quiet, "no summary");
+  app.footer("Example: rtusim run scenes/dragon.toml --arch testbench/architectures/espe2019.toml --set rtu.cores=8 --image dragon.png");
 }
 
 }  // namespace rtusim

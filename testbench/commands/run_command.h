@@ -9,6 +9,10 @@
 #include "modules/timing/offer.h"
 #include "testbench/run/procedure.h"
 
+namespace CLI {
+class App;
+}
+
 namespace rtusim {
 
 /// What `rtusim run` was asked for. Empty paths: not asked.
@@ -33,5 +37,8 @@ struct run_options {
 
 /// Traces a scene with a design and writes what was asked for. Errors: input_error, simulation_error.
 void run(const run_options& options);
+
+/// Adds the command to the program.
+void add_run(CLI::App& program);
 
 }  // namespace rtusim

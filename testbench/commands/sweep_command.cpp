@@ -18,6 +18,7 @@
 #include "modules/config/error.h"
 #include "modules/config/files.h"
 #include "modules/config/input_ledger.h"
+#include "testbench/commands/options.h"
 #include "testbench/pictures/pictures.h"
 #include "testbench/run/interrupts.h"
 #include "testbench/run/procedure.h"
@@ -275,6 +276,30 @@ void sweep(const sweep_options& o) {
   fmt::print(stderr, "{}", failure_text(failures));
   throw simulation_error(
       fmt::format("sweep: {} of {} points failed; those that were run are run again with --retry-failed", failures.size(), tasks.size()));
+}
+
+void add_sweep(CLI::App& program) {
+  auto options = std::make_shared<sweep_options>();
+  sweep_options& o = *options;
+  CLI::App& app = add_command(program, "sweep", "run a hundred designs, and one table of them all", options, sweep);
+  app.add_option("SWEEP.toml", o.file, "axes, scenes and what is kept; see testbench/sweeps")->required()->type_name("");
+  app.add_option("--out", o.out, "folder of the results; out/SWEEP if left out")->type_name("DIR");
+  const auto read_jobs = [&o](const std::string& text) {
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), o.jobs);
+    if (error != std::errc{} || end != text.data() + text.size() || o.jobs < 1 || o.jobs > 4096)
+      throw input_error("-j", '"' + text + '"', "a whole number from 1 to 4096");
+  };
+  app.add_option_function<std::string>("-j", read_jobs, "worker processes, or tasks of the Slurm array")->type_name("N");
+  const auto read_engine = [&o](const std::string& word) {
+    if (word != "local" && word != "slurm") throw input_error("--engine", '"' + word + '"', "local or slurm");
+    o.how = word == "slurm" ? sweep_options::engine::slurm : sweep_options::engine::local;
+  };
+  app.add_option_function<std::string>("--engine", read_engine, "local processes, or a job array of Slurm")->type_name("ENGINE");
+  app.add_option("--share", o.share, "only the points with number modulo N = I, and no table: for one of N machines")->type_name("I/N");
+  app.add_flag("--retry-failed", o.retry_failed, "run again what failed before");
+  app.add_flag("--units", o.units, "a second header row in results.csv: the columns' units");
+  app.add_flag("--quiet", o.quiet, "no summary");
+  app.footer("What is done stays: an interrupted sweep goes on with the same command, a changed one runs only what is new.");
 }
 
 }  // namespace rtusim

@@ -4,6 +4,10 @@
 #include <optional>
 #include <string>
 
+namespace CLI {
+class App;
+}
+
 namespace rtusim {
 
 /// What `rtusim sweep` was asked for.
@@ -37,5 +41,8 @@ struct sweep_options {
 /// Errors: input_error for the sweep file, a folder that holds something else, results that can't be written, a Slurm that is not there;
 /// simulation_error when it is interrupted, and, at its end, when points failed; then stderr has their reasons.
 void sweep(const sweep_options& o);
+
+/// Adds the command to the program.
+void add_sweep(CLI::App& program);
 
 }  // namespace rtusim

@@ -9,6 +9,7 @@
 #include "modules/config/error.h"
 #include "modules/config/files.h"
 #include "modules/config/schema.h"
+#include "testbench/commands/options.h"
 #include "testbench/kinds/host_kind.h"
 
 namespace rtusim {
@@ -68,6 +69,19 @@ void bench_unit(const unit_request& asked) {
   if (!unit->reads_model && model) throw input_error(place, "--model", "no octree: it has no model memory");
   if (unit->reads_memory && !memory_folder) throw input_error(place, "no --memory", "the folder of its memories");
   unit->bench(d, asked.files);
+}
+
+void add_unit(CLI::App& program) {
+  auto options = std::make_shared<unit_request>();
+  unit_request& o = *options;
+  CLI::App& app = add_command(program, "unit", "one unit alone on raw words", options, bench_unit);
+  app.add_option("NAME", o.name, lone_unit_words())->required()->type_name("");
+  app.add_option("--jobs", o.files.jobs, "input columns, CSV")->required()->type_name("FILE");
+  app.add_option("--out", o.files.out, "the same columns with the outputs, CSV")->required()->type_name("FILE");
+  app.add_option("--model", o.files.model, "svo_core: the octree in its memory")->type_name("FILE");
+  app.add_option("--memory", o.files.memory, "bih_core: the folder of its memories")->type_name("DIR");
+  app.add_option("--arch", o.architecture, "the design, a TOML file")->type_name("FILE");
+  app.add_option("--set", o.assignments, "a parameter; see 'rtusim explain'")->type_name("KEY=VALUE")->allow_extra_args(false);
 }
 
 }  // namespace rtusim

@@ -6,6 +6,10 @@
 
 #include "testbench/units/lone_unit.h"
 
+namespace CLI {
+class App;
+}
+
 namespace rtusim {
 
 /// What `rtusim unit` was asked for.
@@ -21,5 +25,8 @@ std::string lone_unit_words();
 
 /// Reads the design and benches the named unit. Errors: input_error for an unknown name or files that don't fit it.
 void bench_unit(const unit_request& asked);
+
+/// Adds the command to the program.
+void add_unit(CLI::App& program);
 
 }  // namespace rtusim
