@@ -11,6 +11,7 @@
 
 #include <fmt/format.h>
 
+#include "modules/config/alternatives.h"
 #include "modules/config/error.h"
 #include "modules/config/files.h"
 #include "modules/config/toml.h"
@@ -32,18 +33,6 @@ struct overloaded : F... {
 };
 template <class... F>
 overloaded(F...) -> overloaded<F...>;
-
-/// "a, b or c".
-template <class Words>
-std::string alternatives(const Words& words) {
-  std::string text;
-  std::size_t left = words.size();
-  for (const auto& word : words) {
-    text += word;
-    if (--left > 0) text += left == 1 ? " or " : ", ";
-  }
-  return text;
-}
 
 /// A text in quotes, on one line, whatever it holds; a long one cut between two characters.
 std::string in_quotes(std::string_view text) {
@@ -470,7 +459,11 @@ void schema::set_all_errata(const assignment& a, const std::set<std::string>* al
 
 void schema::check_home(const assignment& a, const std::string& section_name, const std::set<std::string>* allowed) const {
   if (!allowed || allowed->count(section_name) > 0) return;
-  throw input_error(a.place, a.key + " belongs in " + homes_.at(section_name), "keys of " + alternatives(*allowed));
+  std::set<std::string> names = *allowed;
+  for (const auto& s : sections_)
+    for (const auto& p : s.parameters())
+      if (!p.alias.empty() && allowed->count(s.name()) > 0) names.emplace(errata_section);
+  throw input_error(a.place, a.key + " belongs in " + homes_.at(section_name), "keys of " + alternatives(names));
 }
 
 /// For a key that is no parameter's: fine when it is an empty table `[section]`, else an error.

@@ -10,7 +10,7 @@ void rtu_params::describe(config::section& s) {
   s.real("clock_mhz", clock_mhz, {0.001, 1e6}, "MHz", "clock of all units");
 }
 
-design::design() : kinds_(new_core_kinds()) {}
+design::design() : kinds_(core_kinds().make()) {}
 
 design::design(const design& other) { *this = other; }
 

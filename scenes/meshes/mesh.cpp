@@ -13,6 +13,7 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
+#include "modules/config/alternatives.h"
 #include "modules/config/endings.h"
 #include "modules/config/error.h"
 #include "modules/config/files.h"
@@ -85,14 +86,10 @@ const mesh_format* format_of(const std::string& ending) {
   return found == std::end(formats) ? nullptr : found;
 }
 
-/// `.a, .b or .c`
 std::string all_endings() {
-  std::string text;
-  for (const mesh_format& f : formats) {
-    const bool is_first = &f == std::begin(formats), is_last = &f + 1 == std::end(formats);
-    text += fmt::format("{}{}", is_first ? "" : is_last ? " or " : ", ", f.ending);
-  }
-  return text;
+  std::vector<std::string_view> endings;
+  for (const mesh_format& f : formats) endings.push_back(f.ending);
+  return config::alternatives(endings);
 }
 
 mesh triangles_of(polygons&& p, const std::string& place) {

@@ -3,9 +3,7 @@
 #include <algorithm>
 #include <system_error>
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-
+#include "modules/config/alternatives.h"
 #include "modules/config/error.h"
 #include "modules/config/files.h"
 #include "modules/config/schema.h"
@@ -14,12 +12,6 @@
 
 namespace rtusim {
 namespace {
-
-/// `a, b or c`
-std::string alternatives(const std::vector<std::string>& words) {
-  if (words.size() < 2) return fmt::format("{}", fmt::join(words, ""));
-  return fmt::format("{} or {}", fmt::join(words.begin(), words.end() - 1, ", "), words.back());
-}
 
 std::vector<std::string> names_with(bool lone_unit::*what) {
   std::vector<std::string> names;
@@ -32,7 +24,7 @@ std::vector<std::string> names_with(bool lone_unit::*what) {
 
 }  // namespace
 
-std::string lone_unit_words() { return alternatives(names_with(nullptr)); }
+std::string lone_unit_words() { return config::alternatives(names_with(nullptr)); }
 
 void bench_unit(const unit_request& asked) {
   design d;
@@ -64,7 +56,7 @@ void bench_unit(const unit_request& asked) {
   const bool memory_folder = !asked.files.memory.empty();
   const std::string place = "unit " + asked.name;
   if (!unit->reads_memory && memory_folder)
-    throw input_error(place, "--memory", alternatives(names_with(&lone_unit::reads_memory)) + ", whose memory it is");
+    throw input_error(place, "--memory", config::alternatives(names_with(&lone_unit::reads_memory)) + ", whose memory it is");
   if (unit->reads_model && !model) throw input_error(place, "no --model", "the octree in its memory");
   if (!unit->reads_model && model) throw input_error(place, "--model", "no octree: it has no model memory");
   if (unit->reads_memory && !memory_folder) throw input_error(place, "no --memory", "the folder of its memories");

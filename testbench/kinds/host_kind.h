@@ -8,6 +8,7 @@
 
 #include "modules/config/report.h"
 #include "modules/config/schema.h"
+#include "modules/core_bank/kind_list.h"
 #include "modules/rtu/design.h"
 #include "scenes/scene.h"
 #include "testbench/bench/host_figures.h"
@@ -54,8 +55,8 @@ class host_kinds {
   const host_kind& of(const design& d) const;
   const std::vector<std::unique_ptr<host_kind>>& all() const { return all_; }
 
-  /// Adds a kind to the list of this process, at its end; before the first object is made.
-  static void add(std::unique_ptr<host_kind> (*make)());
+  /// The list of all kinds.
+  static kind_list<host_kind>& list();
 
  private:
   std::vector<std::unique_ptr<host_kind>> all_;

@@ -8,28 +8,13 @@
 #include "testbench/kinds/svo_host.h"
 
 namespace rtusim {
-namespace {
 
-using maker = std::unique_ptr<host_kind> (*)();
-
-template <class Kind>
-std::unique_ptr<host_kind> make() {
-  return std::make_unique<Kind>();
-}
-
-/// The list of all kinds.
-std::vector<maker>& makers() {
-  static std::vector<maker> all{&make<svo_host>, &make<bih_host>};
+kind_list<host_kind>& host_kinds::list() {
+  static auto all = kind_list<host_kind>::of<svo_host, bih_host>();
   return all;
 }
 
-}  // namespace
-
-host_kinds::host_kinds() {
-  for (const maker m : makers()) all_.push_back(m());
-}
-
-void host_kinds::add(maker make) { makers().push_back(make); }
+host_kinds::host_kinds() : all_(list().make()) {}
 
 void host_kinds::describe(config::schema& s, const design& d) {
   for (const auto& kind : all_) kind->describe(s, [&d, word = kind->word()] { return d.kind().word() == word; });
@@ -44,7 +29,7 @@ const host_kind& host_kinds::of(const design& d) const {
 std::vector<config::report::entry> all_figures() {
   std::vector<config::report::entry> entries;
   const host_kinds hosts;
-  for (const auto& kind : new_core_kinds()) {
+  for (const auto& kind : core_kinds().make()) {
     run_figures run;
     run.bank = kind->no_figures();
     for (const auto& host : hosts.all())

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
+#include "modules/config/alternatives.h"
 #include "modules/config/error.h"
 #include "modules/config/files.h"
 #include "modules/config/schema.h"
@@ -84,7 +84,7 @@ std::string picture_words() {
   std::vector<std::string_view> all;
   for (const picture_word& w : words)
     if (!w.word.empty() && w.kind != picture_kind::sheet) all.push_back(w.word);
-  return fmt::format("{} or {}", fmt::join(all.begin(), all.end() - 1, ", "), all.back());
+  return config::alternatives(all);
 }
 
 picture_preparation::picture_preparation(bool wanted) : wanted_(wanted) {

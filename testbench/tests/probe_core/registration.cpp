@@ -7,8 +7,8 @@ namespace rtusim::test {
 namespace {
 
 const bool is_registered = [] {
-  add_core_kind([]() -> std::unique_ptr<core_kind> { return std::make_unique<probe_kind>(); });
-  host_kinds::add([]() -> std::unique_ptr<host_kind> { return std::make_unique<probe_host>(); });
+  core_kinds().add<probe_kind>();
+  host_kinds::list().add<probe_host>();
   return true;
 }();
 
