@@ -37,7 +37,7 @@ void bih_core::accept(const triangle_job& job) {
   walk_.rest(now() - std::min(now(), free_from_));
   before_ = walk_.registers();
   flight& f = flights_[(oldest_ + in_flight_) % flights_.size()];
-  traversal_result& r = f.result = {};
+  mesh_result& r = f.result = {};
   const intersector_interface& intersector = *intersector_port.operator->();
   const std::int64_t distance_unit = intersector.distance_unit();
   std::uint64_t nearest = 0;
@@ -131,6 +131,15 @@ bool bih_core::level(const channel_base& port) const {
   return in_flight_ != 0 && next_edge() >= oldest().available;
 }
 
+std::optional<unit_timing> bih_core::timing() const {
+  unit_timing t;
+  t.latency_cycles = latency_cycles_ + 1;
+  t.interval_cycles = params_.rays_in_flight == 1 ? t.latency_cycles + 1 : 0;
+  t.beside_cost = true;
+  t.capacity = params_.rays_in_flight;
+  return t;
+}
+
 bih_core::stats bih_core::statistics() {
   stats s = sums_;
   const cycle next = domain().next_edge();
@@ -182,10 +191,10 @@ void bih_core::stats::describe(config::report& r) const {
   };
   r.number("jobs", jobs, "jobs", "rays accepted");
   r.number("hits", hits, "jobs", "rays that hit a triangle");
-  r.number("cost", cost, "cycles", "clocks of all traversals");
+  r.number("cost", cost, "cycles", "cycles of all traversals");
   r.number("missed_box", missed_box, "jobs", "rays that end in AABB");
   r.number("deepest_stack", deepest_stack, "entries", "most entries that a ray had on the stack");
-  r.number("fill", share(triangles.pairs, cost), "", "triangles issued by clocks of traversals: how full the intersector's pipeline was");
+  r.number("fill", share(triangles.pairs, cost), "", "triangles issued by cycles of traversals: how full the intersector's pipeline was");
   r.group("triangles", [this](config::report& g) { triangles.describe(g); });
   r.group("cycles", [this](config::report& g) {
     g.number("idle", idle_cycles, "cycles", "without a ray");
@@ -194,7 +203,7 @@ void bih_core::stats::describe(config::report& r) const {
     g.number("inner", visits.inner, "cycles", "in INNER: which children the ray meets");
     g.number("push", visits.push, "cycles", "in PUSH: the near child, with the far one on the stack");
     g.number("pop", visits.pop, "cycles", "in POP: back to a far child");
-    g.number("leaf", visits.leaf, "cycles", "in LEAF: a triangle a clock, or waiting for an iterative divider");
+    g.number("leaf", visits.leaf, "cycles", "in LEAF: a triangle a cycle, or waiting for an iterative divider");
   });
 }
 

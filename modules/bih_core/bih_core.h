@@ -1,6 +1,9 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
+#include <optional>
+#include <string_view>
 #include <vector>
 
 #include "modules/bih_core/bih_machine.h"
@@ -17,16 +20,20 @@ namespace rtusim {
 /// A traversal core for triangles in a bounding interval hierarchy (Hanika 2007, sec. 3.1, 3.4). It keeps the nearest hit of each ray, the
 /// first of those that are equally near.
 ///
-/// Timing: one clock a state. A job accepted at edge e is in AABB in the cycle after it; ready is 1 again in the ray's last clock, so
+/// Timing: one cycle a state. A job accepted at edge e is in AABB in the cycle after it; ready is 1 again in the ray's last cycle, so
 /// that the next ray's AABB follows at once. The ray's end goes through the intersector after its triangles: the result is offered from
-/// edge e + clocks + latency + 1 on, in the order of the jobs. A core takes no job while `rays_in_flight` results are not taken.
+/// edge e + cycles + latency + 1 on, in the order of the jobs. A core takes no job while `rays_in_flight` results are not taken.
 ///
 /// The memories answer at once and nothing can disturb a traversal, so the core looks ahead: it walks the whole ray at the accepting
 /// edge and steps its state machine only where somebody watches the registers.
 class bih_core final : public unit {
  public:
   using params = bih_core_params;
+  using job_type = triangle_job;
+  using result_type = mesh_result;
   struct stats {
+    static constexpr std::string_view sum_name = "bih_core";
+
     std::uint64_t jobs = 0;
     std::uint64_t hits = 0;
     std::uint64_t cost = 0;
@@ -41,18 +48,20 @@ class bih_core final : public unit {
   };
 
   rv_in<triangle_job> job_in{"job_in"};
-  rv_out<traversal_result> result_out{"result_out"};
+  rv_out<mesh_result> result_out{"result_out"};
   sc_core::sc_port<intersector_interface> intersector_port{"intersector_port"};
 
   /// `memory` must have passed `check_bih` and outlive the core; `index`: which core of the RTU it is, for its results.
   bih_core(const sc_core::sc_module_name& name, const params& p, const bih_memory& memory, unsigned index);
 
+  std::optional<unit_timing> timing() const override;
   /// Figures of all cycles before the next edge; a ray under way counts as far as it has come.
   stats statistics();
+  std::unique_ptr<unit_figures> figures() override { return as_figures(statistics()); }
 
  private:
   struct flight {
-    traversal_result result;
+    mesh_result result;
     cycle available = never;
   };
 

@@ -4,6 +4,8 @@
 #include <vector>
 
 #include "modules/bih_core/bih_core.h"
+#include "modules/core_bank/figures_of_bank.h"
+#include "modules/core_bank/typed_bank.h"
 #include "modules/job_manager/triangle_job_manager.h"
 #include "modules/triangle_unit/triangle_pipeline.h"
 
@@ -12,27 +14,30 @@ namespace {
 
 constexpr const char* when_chosen = "rtu.core = bih";
 
-class bih_bank final : public typed_bank<triangle_job, triangle_job_manager, bih_core> {
+class bih_bank final : public typed_bank<triangle_job_manager, bih_core> {
  public:
   bih_bank(const bih_kind& kind, const bank_params& p, const bih_memory& hierarchy)
-      : typed_bank(kind.word(), {kind.words, hierarchy.corner}, p,
-                   [params = kind.core_with_widths(), &hierarchy](const char* n, std::size_t i) {
-                     return new bih_core(n, params, hierarchy, static_cast<unsigned>(i));
-                   }),
-        job_latency_cycles_(triangle_job_manager::stages_of({kind.words, hierarchy.corner})) {
+      : typed_bank({kind.words, hierarchy.corner}, p, [params = kind.core_with_widths(), &hierarchy](const char* n, std::size_t i) {
+          return new bih_core(n, params, hierarchy, static_cast<unsigned>(i));
+        }) {
     for (unsigned i = 0; i < p.cores; ++i) {
       pipelines_.push_back(std::make_unique<triangle_pipeline>(("triangle_pipeline_" + std::to_string(i)).c_str(),
                                                                kind.intersector_with_words(), hierarchy.triangles));
-      cores()[i].intersector_port(*pipelines_.back());
+      core(i).intersector_port(*pipelines_.back());
     }
   }
 
-  unsigned job_latency_cycles() const override { return job_latency_cycles_; }
-  unsigned core_latency_cycles() const override { return pipelines_.front()->latency_cycles() + 1; }
+ private:
+  std::vector<std::unique_ptr<triangle_pipeline>> pipelines_;
+};
+
+/// One that holds its hierarchy.
+class blank_hierarchy final : public bih_contents {
+ public:
+  explicit blank_hierarchy(unsigned address_bits) : bih_contents(words_), words_(address_bits) {}
 
  private:
-  unsigned job_latency_cycles_;
-  std::vector<std::unique_ptr<triangle_pipeline>> pipelines_;
+  bih_memory words_;
 };
 
 }  // namespace
@@ -68,11 +73,11 @@ packet_widths bih_kind::packets() const {
   return {words.n + 3, words.m, words.n, words.m, words.m + words.reciprocal_bits, "origin", "direction", false};
 }
 
-std::unique_ptr<bank_figures> bih_kind::no_figures() const {
-  auto figures = std::make_unique<figures_of<triangle_job_manager::stats, bih_core::stats>>(name);
-  figures->cores.resize(1);
-  return figures;
+std::vector<named_figures> bih_kind::blank_figures() const {
+  return figures_of_bank(triangle_job_manager::stats{}, {}, std::vector<bih_core::stats>(1), {});
 }
+
+std::unique_ptr<memory_contents> bih_kind::blank_contents() const { return std::make_unique<blank_hierarchy>(core.address_bits); }
 
 std::unique_ptr<core_bank> bih_kind::build(const bank_params& p, const memory_contents& contents) const {
   return std::make_unique<bih_bank>(*this, p, dynamic_cast<const bih_contents&>(contents).hierarchy());

@@ -3,6 +3,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "modules/bih_core/bih_params.h"
 #include "modules/core_bank/core_kind.h"
@@ -14,7 +15,7 @@
 namespace rtusim {
 
 /// A hierarchy over triangles, in the memories that each core has.
-class bih_contents final : public memory_contents {
+class bih_contents : public memory_contents {
  public:
   explicit bih_contents(const bih_memory& hierarchy) : hierarchy_(hierarchy) {}
   const bih_memory& hierarchy() const { return hierarchy_; }
@@ -43,7 +44,8 @@ class bih_kind final : public core_kind {
   packet_widths packets() const override;
   unsigned fraction_bits() const override { return 0; }
   std::string replay_obstacle() const override { return "triangle cores, in which rays overlap"; }
-  std::unique_ptr<bank_figures> no_figures() const override;
+  std::vector<named_figures> blank_figures() const override;
+  std::unique_ptr<memory_contents> blank_contents() const override;
   std::unique_ptr<core_bank> build(const bank_params& p, const memory_contents& contents) const override;
 };
 

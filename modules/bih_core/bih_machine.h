@@ -9,20 +9,20 @@
 
 namespace rtusim {
 
-/// The traversal state machine, clock by clock and register by register (Hanika 2007, sec. 3.4, table 3.1 and app. A).
+/// The traversal state machine, cycle by cycle and register by register (Hanika 2007, sec. 3.4, table 3.1 and app. A).
 ///
-/// A plain class without SystemC: between two calls of `step` lies one clock, in which `now` are the registers and `signals` what the
-/// machine drives. `start` puts a ray to the inputs, in AABB; its last clock is the one with `done`, the next is again AABB. Without a ray
+/// A plain class without SystemC: between two calls of `step` lies one cycle, in which `now` are the registers and `signals` what the
+/// machine drives. `start` puts a ray to the inputs, in AABB; its last cycle is the one with `done`, the next is again AABB. Without a ray
 /// AABB waits. `bih_walk` comes to the same outcome at once.
 ///
-/// A memory registers its address, and shows what is written in the same clock. The stack's words are the core's own, the others the
+/// A memory registers its address, and shows what is written in the same cycle. The stack's words are the core's own, the others the
 /// memory's, which must outlive the machine.
 ///
-/// A leaf of 0 triangles, where it does not hang, takes one clock in LEAF without a triangle: as built the count is a register by then,
+/// A leaf of 0 triangles, where it does not hang, takes one cycle in LEAF without a triangle: as built the count is a register by then,
 /// and compared there.
 ///
 /// `early_out`, not in the original: a child in INNER or a stack entry in POP is dropped if its tmin lies beyond the nearest hit of
-/// which the result is there in that clock; POP then goes on to the next entry, and the ray ends when none is left. Distances of hits
+/// which the result is there in that cycle; POP then goes on to the next entry, and the ray ends when none is left. Distances of hits
 /// are in grid units along the ray, as tmin is.
 class bih_machine {
  public:
@@ -31,7 +31,7 @@ class bih_machine {
     bih_state state = bih_state::aabb;
     std::uint8_t stack_pos = 0;  // 5 bits
     std::int64_t tmin = 0, tmax = 0, dist0 = 0, dist1 = 0;
-    std::uint32_t address3x = 0, address1x = 0;  // of the memories: what the signals were a clock ago
+    std::uint32_t address3x = 0, address1x = 0;  // of the memories: what the signals were a cycle ago
     std::uint32_t near_child = 0;
     std::uint32_t next_triangle = 0;  // list address
     std::uint32_t triangles_left = 0;
@@ -48,7 +48,7 @@ class bih_machine {
 
   void start(const quantised_ray& ray);
   void step();
-  /// What became of the triangle that is issued in this clock, known to `early_out` so many clocks later as its result takes.
+  /// What became of the triangle that is issued in this cycle, known to `early_out` so many cycles later as its result takes.
   /// `distance`: of the hit in grid units along the ray, or no_hit.
   void result(std::int64_t distance);
 
@@ -89,7 +89,7 @@ class bih_machine {
   bih_outcome outcome_;
   // For early_out.
   std::uint64_t clock_ = 0;
-  std::deque<std::pair<std::uint64_t, std::int64_t>> results_;  // from which clock on each is known
+  std::deque<std::pair<std::uint64_t, std::int64_t>> results_;  // from which cycle on each is known
   std::int64_t nearest_ = no_hit;
 };
 

@@ -9,9 +9,9 @@ void bih_core_params::describe(config::section& s) {
   s.flag("early_out", early_out, "nodes that begin behind a hit that is known by then are not visited");
   s.erratum("exit_at_zero", exit_at_zero, "a ray that points down an axis from 0 leaves the box at -2^n", "it leaves at once");
   s.erratum("box_never_misses", box_never_misses, "distances to the box wrap at n bits, so that each ray meets it",
-            "a ray that misses it takes one clock");
+            "a ray that misses it takes one cycle");
   s.erratum("stack_wraps", stack_wraps, "the 32nd nested push empties the stack", "it is an error that names the ray");
-  s.erratum("empty_leaf_hangs", empty_leaf_hangs, "a leaf of 0 triangles takes 2^32 clocks", "it takes one, without a triangle");
+  s.erratum("empty_leaf_hangs", empty_leaf_hangs, "a leaf of 0 triangles takes 2^32 cycles", "it takes one, without a triangle");
 }
 
 bih_visits& bih_visits::operator-=(const bih_visits& v) {

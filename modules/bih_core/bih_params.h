@@ -19,7 +19,7 @@ namespace rtusim {
 enum class bih_state : std::uint8_t { aabb, node, inner, push, pop, leaf };
 inline constexpr std::string_view bih_state_words[] = {"aabb", "node", "inner", "push", "pop", "leaf"};
 
-/// Clocks from a triangle number to its result as built: 1 in the triangle memory, 41 in the intersector.
+/// Cycles from a triangle number to its result as built: 1 in the triangle memory, 41 in the intersector.
 inline constexpr unsigned bih_result_latency_cycles = 42;
 
 /// In place of a hit's distance: none.
@@ -34,13 +34,13 @@ struct bih_core_params {
   bool early_out = false;
   unsigned rays_in_flight = 16;
   unsigned result_latency_cycles = bih_result_latency_cycles;  ///< for early_out: from a triangle number to its result
-  unsigned triangle_interval_cycles = 1;  ///< clocks from one triangle to the next at least: the bits of an iterative divider, else 1
+  unsigned triangle_interval_cycles = 1;  ///< cycles from one triangle to the next at least: the bits of an iterative divider, else 1
   quantisation widths;                    ///< of the section `quantisation`
 
   void describe(config::section& s);
 };
 
-/// Clocks by state.
+/// Cycles by state.
 struct bih_visits {
   std::uint64_t aabb = 0, node = 0, inner = 0, push = 0, pop = 0, leaf = 0;
 

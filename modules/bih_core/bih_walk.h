@@ -13,14 +13,14 @@
 
 namespace rtusim {
 
-/// Walks one ray after the other to its end at once: what `bih_machine` reaches clock by clock, and when it issues each triangle.
+/// Walks one ray after the other to its end at once: what `bih_machine` reaches cycle by cycle, and when it issues each triangle.
 ///
 /// The words must have passed `check_bih` (`raw` at least, with the core's `empty_leaf_hangs`). Copies share them.
 class bih_walk {
  public:
   bih_walk(const bih_core_params& p, const bih_memory& memory);
 
-  /// `visit(triangle, clock)` is called for each triangle number with the clock in which it is issued; the ray's AABB is clock 0. It may
+  /// `visit(triangle, clock)` is called for each triangle number with the cycle in which it is issued; the ray's AABB is cycle 0. It may
   /// return the distance of the hit as a std::int64_t, or no_hit, for `early_out` to know when the result is there.
   template <class Visit>
   bih_outcome operator()(const quantised_ray& ray, Visit&& visit) {
@@ -30,7 +30,7 @@ class bih_walk {
     return narrow_ ? walk<true, false>(ray, visit) : walk<false, false>(ray, visit);
   }
 
-  /// `n` clocks pass without a ray.
+  /// `n` cycles pass without a ray.
   void rest(std::uint64_t n) {
     if (n != 0) address3x_ = address1x_ = 0;
     divider_clocks_ -= std::min(divider_clocks_, n);

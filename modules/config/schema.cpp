@@ -6,7 +6,6 @@
 #include <limits>
 #include <numeric>
 #include <optional>
-#include <sstream>
 #include <utility>
 
 #include <fmt/format.h>
@@ -235,18 +234,6 @@ input_error unknown_key(const std::string& place, const std::string& key, const 
 /// Whether `key` is `prefix` or begins with all of its components.
 bool starts_key(std::string_view key, std::string_view prefix) {
   return prefix.empty() || key == prefix || (key.substr(0, prefix.size()) == prefix && key.substr(prefix.size(), 1) == ".");
-}
-
-std::vector<std::string> wrapped(const std::string& text, std::size_t width) {
-  std::vector<std::string> lines;
-  std::istringstream words(text);
-  for (std::string word; words >> word;) {
-    if (lines.empty() || lines.back().size() + 1 + word.size() > width)
-      lines.push_back(word);
-    else
-      lines.back() += ' ' + word;
-  }
-  return lines;
 }
 
 }  // namespace
@@ -534,14 +521,18 @@ bool schema::leaves_unread(const std::filesystem::path& file) const {
 
 nlohmann::ordered_json schema::values() const {
   auto record = ordered_json::object();
-  for (const auto& s : sections_)
+  for (const auto& s : sections_) {
+    // Made as an object: a null that becomes one while memory runs out is left in a state that can't be destroyed.
+    auto of_section = ordered_json::object();
     for (const auto& p : s.parameters())
-      if (!p.is_read || p.is_read()) record[s.name()][p.key.substr(s.name().size() + 1)] = value_of(p);
+      if (!p.is_read || p.is_read()) of_section[p.key.substr(s.name().size() + 1)] = value_of(p);
+    if (!of_section.empty()) record[s.name()] = std::move(of_section);
+  }
   return record;
 }
 
 std::string schema::explain(std::string_view key) const {
-  std::string text = page([key](std::string_view k) { return starts_key(k, key); });
+  std::string text = explanation_text(explanations([key](std::string_view k) { return starts_key(k, key); }));
   if (!text.empty()) return text;
   auto candidates = keys();
   for (const auto& [name, home] : homes_) candidates.push_back(name);
@@ -549,15 +540,11 @@ std::string schema::explain(std::string_view key) const {
 }
 
 std::string schema::explain_all_with(std::string_view part) const {
-  return page([part](std::string_view k) { return k.find(part) != k.npos; });
+  return explanation_text(explanations([part](std::string_view k) { return k.find(part) != k.npos; }));
 }
 
-std::string schema::page(const std::function<bool(std::string_view)>& is_wanted) const {
-  struct row {
-    std::string key, preset;
-    std::vector<std::string> texts;
-  };
-  std::vector<row> rows{{"key", "default", {"values, meaning, and when it is read"}}};
+std::vector<explanation> schema::explanations(const std::function<bool(std::string_view)>& is_wanted) const {
+  std::vector<explanation> rows;
   std::vector<std::string> errata;
   for (const auto& s : sections_)
     for (const auto& p : s.parameters()) {
@@ -565,41 +552,20 @@ std::string schema::page(const std::function<bool(std::string_view)>& is_wanted)
       if (!is_wanted(p.key) && (p.alias.empty() || !is_wanted(p.alias))) continue;
       const auto& preset = defaults_.at(p.key);
       const bool is_bare = preset.is_string() && !preset.get_ref<const std::string&>().empty();
-      rows.push_back({p.key, is_bare ? preset.get<std::string>() : preset.dump(), {values_text(p), p.meaning}});
-      if (!p.alias.empty()) rows.back().texts.push_back("also: " + p.alias);
+      rows.push_back({p.key, is_bare ? preset.get<std::string>() : preset.dump(), values_text(p), p.meaning, {}});
+      auto& notes = rows.back().notes;
+      if (!p.alias.empty()) notes.push_back("also: " + p.alias);
       if (const auto form = entry_forms_.find(p.key); form != entry_forms_.end()) {
         std::vector<std::string> parts;
         for (const auto& [field, target] : form->second.fields) parts.push_back(fmt::format("{} ({})", field, target));
-        rows.back().texts.push_back(fmt::format("in a file also: one table [[{}]] with {}", p.key, fmt::join(parts, ", ")));
+        notes.push_back(fmt::format("in a file also: one table [[{}]] with {}", p.key, fmt::join(parts, ", ")));
       }
-      if (!p.read_when.empty()) rows.back().texts.push_back("read only when " + p.read_when);
+      if (!p.read_when.empty()) notes.push_back("read only when " + p.read_when);
     }
   if (!errata.empty() && is_wanted(all_errata))
     rows.push_back(
-        {std::string(all_errata), "", {"true or false", fmt::format("sets {}; one named by itself wins", fmt::join(errata, ", "))}});
-  if (rows.size() == 1) return {};
-
-  constexpr std::size_t page_columns = 100, most_preset_columns = 24;
-  std::size_t key_columns = 0, preset_columns = 0;
-  for (const auto& r : rows) {
-    key_columns = std::max(key_columns, r.key.size());
-    if (r.preset.size() <= most_preset_columns) preset_columns = std::max(preset_columns, r.preset.size());
-  }
-  const std::size_t text_columns = std::max<std::size_t>(40, page_columns - std::min(page_columns, key_columns + preset_columns + 4));
-  std::string text;
-  for (const auto& r : rows) {
-    std::string left = fmt::format("{:{}}  {:{}}  ", r.key, key_columns, r.preset, preset_columns);
-    if (r.preset.size() > preset_columns) {
-      text += fmt::format("{:{}}  {}\n", r.key, key_columns, r.preset);
-      left.assign(key_columns + preset_columns + 4, ' ');
-    }
-    for (const auto& words : r.texts)
-      for (const auto& line : wrapped(words, text_columns)) {
-        text += left + line + '\n';
-        left.assign(key_columns + preset_columns + 4, ' ');
-      }
-  }
-  return text;
+        {std::string(all_errata), "", "true or false", fmt::format("sets {}; one named by itself wins", fmt::join(errata, ", ")), {}});
+  return rows;
 }
 
 std::string nearest(std::string_view word, const std::vector<std::string>& candidates) {

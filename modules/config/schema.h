@@ -12,6 +12,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "modules/config/explanation.h"
 #include "modules/config/section.h"
 
 namespace rtusim::config {
@@ -74,6 +75,9 @@ class schema {
   /// The same of the parameters whose key holds `part` anywhere; empty when there are none.
   std::string explain_all_with(std::string_view part) const;
 
+  /// Of the parameters whose key, or alias, is wanted, in their order.
+  std::vector<explanation> explanations(const std::function<bool(std::string_view)>& is_wanted) const;
+
   const std::list<section>& sections() const { return sections_; }
 
  private:
@@ -97,7 +101,6 @@ class schema {
   void check_home(const assignment& a, const std::string& section_name, const std::set<std::string>* allowed) const;
   std::vector<std::string> keys() const;
   std::set<std::string> sections_of(std::string_view kind) const;
-  std::string page(const std::function<bool(std::string_view)>& is_wanted) const;
 
   std::list<section> sections_;
   std::map<std::string, std::string> homes_;                // by section

@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "modules/config/schema.h"
 #include "modules/core_bank/core_bank.h"
@@ -24,7 +25,7 @@ class core_kind {
  public:
   virtual ~core_kind() = default;
 
-  /// In `rtu.core`; its figures are `WORD_core`.
+  /// In `rtu.core`; the figures of all its cores are added up as `WORD_core`.
   virtual std::string_view word() const = 0;
   virtual std::unique_ptr<core_kind> copy() const = 0;
 
@@ -46,8 +47,10 @@ class core_kind {
 
   /// Why the cycles of a run don't follow from the costs of its rays alone; empty if they do.
   virtual std::string replay_obstacle() const = 0;
-  /// What figures a bank of one core has.
-  virtual std::unique_ptr<bank_figures> no_figures() const = 0;
+  /// What figures a bank of one core has, with nothing counted.
+  virtual std::vector<named_figures> blank_figures() const = 0;
+  /// Memories with nothing in them.
+  virtual std::unique_ptr<memory_contents> blank_contents() const = 0;
 
   /// Builds cores within the module that is being constructed. `contents` are of this kind.
   virtual std::unique_ptr<core_bank> build(const bank_params& p, const memory_contents& contents) const = 0;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 
 #include "modules/numeric/float_to_fixed.h"
 #include "modules/timing/pipeline_unit.h"
@@ -9,7 +10,7 @@ namespace rtusim {
 
 /// The float-to-fixed converter alone (Espe 2019, app. C.2.1): binary32 words in, fixed-point words out.
 ///
-/// Timing: 5 stages that move together (see `pipeline_unit`), one word a clock. The job manager has six of them after its parameter
+/// Timing: 5 stages that move together (see `pipeline_unit`), one word a cycle. The job manager has six of them after its parameter
 /// register, so it does their work as part of its own pipeline.
 class float_to_fixed : public pipeline_unit<std::uint32_t, std::int64_t> {
  public:
@@ -22,6 +23,7 @@ class float_to_fixed : public pipeline_unit<std::uint32_t, std::int64_t> {
       : pipeline_unit(name, numeric::float_to_fixed_stages), converter_(p.format, p.conversion) {}
 
   const numeric::float_to_fixed_stats& statistics() const { return stats_; }
+  std::unique_ptr<unit_figures> figures() override { return as_figures(stats_); }
 
  private:
   void process(const std::uint32_t& float_bits, std::int64_t& fixed) override {

@@ -145,7 +145,7 @@ class checker {
     summary_.levels = root.levels;
     summary_.stack_entries = *std::max_element(root.stack_entries.begin(), root.stack_entries.end());
     if (summary_.most_cycles > most_cycles)
-      throw input_error(place_, fmt::format("a ray through it all would take {} clocks", summary_.most_cycles),
+      throw input_error(place_, fmt::format("a ray through it all would take {} cycles", summary_.most_cycles),
                         fmt::format("at most {}, with fewer shared subtrees or lists", most_cycles));
     if (!rules_.raw && summary_.stack_entries > most_bih_stack_entries) refuse_depth();
     return summary_;

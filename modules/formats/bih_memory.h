@@ -59,7 +59,7 @@ struct bih_summary {
 /// Checks that every ray through the hierarchy ends, and, unless `raw`, that it stays in the memory. Subtrees and lists may be shared.
 /// `place` names the memory in errors.
 /// Errors: input_error that names the node: children in the stack's addresses or outside of the memory, a loop, a ray of more than
-/// 2^24 clocks; unless `raw` also leaves without triangles, lists that run out of the memory, triangles that are not there, and more levels
+/// 2^24 cycles; unless `raw` also leaves without triangles, lists that run out of the memory, triangles that are not there, and more levels
 /// than the stack has entries for.
 bih_summary check_bih(const bih_memory& memory, const std::string& place, const bih_rules& rules = {});
 

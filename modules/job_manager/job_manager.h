@@ -1,5 +1,9 @@
 #pragma once
 
+#include <memory>
+#include <string>
+#include <vector>
+
 #include "modules/config/report.h"
 #include "modules/formats/packets.h"
 #include "modules/numeric/float_to_fixed.h"
@@ -26,11 +30,13 @@ class job_manager final : public pipeline_unit<job_packet, traversal_job> {
     numeric::float_to_fixed_stats conversion;
 
     void describe(config::report& r) const;
+    void warn(std::vector<std::string>& all) const { conversion.warn(all); }
   };
 
   job_manager(const sc_core::sc_module_name& name, const params& p);
 
   const stats& statistics() const { return stats_; }
+  std::unique_ptr<unit_figures> figures() override { return as_figures(stats_); }
 
  private:
   void process(const job_packet& packet, traversal_job& job) override;
@@ -39,8 +45,6 @@ class job_manager final : public pipeline_unit<job_packet, traversal_job> {
   numeric::float_to_fixed_converter converter_;
   stats stats_;
 };
-
-inline numeric::float_to_fixed_stats conversion_of(const job_manager::stats& s) { return s.conversion; }
 
 /// What a job becomes in the job manager; its `sequence` is left 0.
 inline void convert(const job_packet& packet, const numeric::float_to_fixed_converter& converter, numeric::float_to_fixed_stats& stats,

@@ -1,5 +1,9 @@
 #pragma once
 
+#include <memory>
+#include <string>
+#include <vector>
+
 #include "modules/config/report.h"
 #include "modules/formats/triangle_job.h"
 #include "modules/job_manager/ray_setup.h"
@@ -22,6 +26,7 @@ class triangle_job_manager final : public pipeline_unit<job_packet, triangle_job
     ray_setup_stats setup;
 
     void describe(config::report& r) const;
+    void warn(std::vector<std::string>& all) const { setup.conversion.warn(all); }
   };
 
   triangle_job_manager(const sc_core::sc_module_name& name, const params& p);
@@ -32,6 +37,7 @@ class triangle_job_manager final : public pipeline_unit<job_packet, triangle_job
   }
 
   const stats& statistics() const { return stats_; }
+  std::unique_ptr<unit_figures> figures() override { return as_figures(stats_); }
 
  private:
   void process(const job_packet& packet, triangle_job& job) override;
@@ -40,7 +46,5 @@ class triangle_job_manager final : public pipeline_unit<job_packet, triangle_job
   ray_setup setup_;
   stats stats_;
 };
-
-inline numeric::float_to_fixed_stats conversion_of(const triangle_job_manager::stats& s) { return s.setup.conversion; }
 
 }  // namespace rtusim

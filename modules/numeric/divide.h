@@ -6,7 +6,7 @@
 
 namespace rtusim::numeric {
 
-/// How a divider spends its clocks: one stage a bit, or one stage that does one bit a clock.
+/// How a divider spends its cycles: one stage a bit, or one stage that does one bit a cycle.
 enum class divider_kind : std::uint8_t { pipelined, iterative };
 inline config::word_list divider_words() { return {"pipelined", "iterative"}; }
 

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include <fmt/format.h>
+
 namespace rtusim::numeric {
 
 float_to_fixed_converter::float_to_fixed_converter(const fixed_format& format, const float_to_fixed_errata& errata)
@@ -36,6 +38,11 @@ std::int64_t float_to_fixed(std::uint32_t float_bits, const fixed_format& format
                             float_to_fixed_stats& stats) {
   ++stats.conversions;
   return float_to_fixed_converter(format, errata)(float_bits, stats);
+}
+
+void float_to_fixed_stats::warn(std::vector<std::string>& all) const {
+  if (overflows + nans != 0)
+    all.push_back(fmt::format("{} parameters of the jobs lie beyond the fixed-point range, {} are no number", overflows, nans));
 }
 
 void float_to_fixed_errata::describe(config::section& s) {

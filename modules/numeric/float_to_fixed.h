@@ -2,6 +2,8 @@
 
 #include <cstdint>
 #include <cstring>
+#include <string>
+#include <vector>
 
 #include "modules/config/report.h"
 #include "modules/config/section.h"
@@ -9,7 +11,7 @@
 
 namespace rtusim::numeric {
 
-/// Clocks from a binary32 word to its fixed-point word: unpack, three binary shifts, the last shift with the sign.
+/// Cycles from a binary32 word to its fixed-point word: unpack, three binary shifts, the last shift with the sign.
 inline constexpr unsigned float_to_fixed_stages = 5;
 
 /// What the converter as built does differently (Espe 2019, app. C.2.1).
@@ -30,6 +32,8 @@ struct float_to_fixed_stats {
 
   float_to_fixed_stats& operator+=(const float_to_fixed_stats& s);
   void describe(config::report& r) const;
+  /// Appends a sentence if words lost their value.
+  void warn(std::vector<std::string>& all) const;
 };
 
 /// Converts IEEE binary32 words to fixed point, truncating toward zero, saturating; a NaN saturates by its sign bit.

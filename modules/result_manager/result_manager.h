@@ -1,39 +1,39 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
 #include <vector>
 
-#include "modules/config/report.h"
-#include "modules/config/section.h"
-#include "modules/formats/packets.h"
+#include "modules/result_manager/result_manager_params.h"
 #include "modules/timing/channel.h"
+#include "modules/timing/clock_domain.h"
 #include "modules/timing/rotating_select.h"
 #include "modules/timing/unit.h"
+#include "modules/timing/waveform.h"
 
 namespace rtusim {
 
 /// Collects the cores' results in a buffer each and sends them out one by one (Espe 2019, sec. 6.2.5 and app. C.5).
 ///
-/// Timing: an empty buffer takes its core's result at the edge at which that is valid. A select turns by one every clock; the buffer
+/// Timing: an empty buffer takes its core's result at the edge at which that is valid. A select turns by one every cycle; the buffer
 /// that it points at is offered if it is full, and empty again from the edge after the transfer on. Order `as_finished`.
+template <class Result>
 class result_manager final : public unit {
  public:
-  enum class order : std::uint8_t { as_finished };
-  static config::word_list order_words() { return {"as_finished"}; }
+  using params = result_manager_params;
 
-  struct params {
-    order leave = order::as_finished;
-    bool valid_withdrawn = false;
-
-    void describe(config::section& s);
-  };
-
-  sc_core::sc_vector<rv_in<traversal_result>> core_in;
-  rv_out<traversal_result> result_out{"result_out"};
+  sc_core::sc_vector<rv_in<Result>> core_in;
+  rv_out<Result> result_out{"result_out"};
 
   result_manager(const sc_core::sc_module_name& name, const params& p, unsigned cores);
 
-  const traversal_result& payload_at(cycle c) const;
+  const Result& payload_at(cycle c) const;
+  std::optional<unit_timing> timing() const override;
+  const result_manager_stats& statistics() const { return stats_; }
+  std::unique_ptr<unit_figures> figures() override { return as_figures(stats_); }
 
  private:
   void connect() override;
@@ -46,10 +46,100 @@ class result_manager final : public unit {
 
   bool valid_withdrawn_;  // with one buffer the select has nowhere to turn to
   rotating_select full_;  // the select, and which buffers are full
-  std::vector<traversal_result> buffers_;
+  std::vector<Result> buffers_;
+  std::vector<cycle> came_;  // when each took its result
+  result_manager_stats stats_;
   cycle offered_from_ = never;  // where an offer stays: since when the buffer under the select is offered
   unsigned shown_select_ = 0;
   std::vector<std::uint8_t> shown_full_;
 };
+
+template <class Result>
+result_manager<Result>::result_manager(const sc_core::sc_module_name& name, const params& p, unsigned cores)
+    : unit(name),
+      core_in("core_in", cores),
+      valid_withdrawn_(p.valid_withdrawn && cores > 1),
+      full_(cores),
+      buffers_(cores),
+      came_(cores),
+      shown_full_(cores) {}
+
+template <class Result>
+void result_manager<Result>::connect() {
+  for (unsigned i = 0; i < core_in.size(); ++i) core_in[i]->report_arrivals_as(i);
+  result_out->drive_from(*this);
+}
+
+template <class Result>
+void result_manager<Result>::reset() {
+  for (auto& in : core_in) in->offer_ready(offer::always_from(0));
+  result_out->offer_valid(offer::none());
+}
+
+template <class Result>
+std::optional<unit_timing> result_manager<Result>::timing() const {
+  unit_timing t;
+  t.latency_cycles = 1;
+  t.interval_cycles = 2;  // where the select stands at the buffer; it comes round once in as many cycles as there are cores
+  t.capacity = 1;
+  return t;
+}
+
+template <class Result>
+unsigned result_manager<Result>::selected(cycle c) const {
+  return full_.selected(valid_withdrawn_ ? c : std::min(c, offered_from_));
+}
+
+template <class Result>
+const Result& result_manager<Result>::payload_at(cycle c) const {
+  return buffers_[selected(c)];
+}
+
+template <class Result>
+void result_manager<Result>::edge() {
+  const bool taken = result_out->fired();
+  if (!taken && arrivals().empty()) return;
+  result_out->settle_valid();
+  if (taken) {
+    const unsigned core = selected(now());
+    full_.set_line(core, false);
+    stats_.count(now() - came_[core]);
+    core_in[core]->offer_ready(offer::always_from(now() + 1));
+    if (!valid_withdrawn_) full_.select(core + 1 < full_.lines() ? core + 1 : 0, now() + 1);
+  }
+  for (const unsigned core : arrivals()) {
+    buffers_[core] = core_in[core]->data();
+    came_[core] = now();
+    full_.set_line(core, true);
+    core_in[core]->offer_ready(offer::none());
+  }
+  if (valid_withdrawn_) {
+    result_out->offer_valid(offer::in(full_));
+  } else if (taken || offered_from_ > now()) {
+    offered_from_ = full_.next(now() + 1);
+    result_out->offer_valid(offer::always_from(offered_from_));
+  }
+}
+
+template <class Result>
+bool result_manager<Result>::level(const channel_base& port) const {
+  if (&port == result_out.operator->()) return full_.line(selected(next_edge()));
+  for (unsigned i = 0; i < core_in.size(); ++i)
+    if (&port == core_in[i].operator->()) return !full_.line(i);
+  return false;
+}
+
+template <class Result>
+void result_manager<Result>::settle_registers() {
+  shown_select_ = selected(domain().next_edge());
+  for (unsigned i = 0; i < shown_full_.size(); ++i) shown_full_[i] = full_.line(i);
+}
+
+template <class Result>
+void result_manager<Result>::trace(waveform& w) const {
+  const std::string n = name();
+  w.add(shown_select_, n + ".select", 16);
+  for (unsigned i = 0; i < shown_full_.size(); ++i) w.add(shown_full_[i], n + ".full_" + std::to_string(i), 1);
+}
 
 }  // namespace rtusim

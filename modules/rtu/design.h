@@ -8,8 +8,8 @@
 #include "modules/config/error.h"
 #include "modules/config/schema.h"
 #include "modules/core_bank/core_kind.h"
-#include "modules/result_manager/result_manager.h"
-#include "modules/scheduler/scheduler.h"
+#include "modules/result_manager/result_manager_params.h"
+#include "modules/scheduler/scheduler_params.h"
 
 namespace rtusim {
 
@@ -28,7 +28,7 @@ class design {
  public:
   rtu_params rtu;
   scheduler_params scheduler_;
-  result_manager::params result_manager_;
+  result_manager_params result_manager_;
   /// The unit that is alone, of which only the parameters are read; empty: a whole RTU.
   std::string benched;
 

@@ -1,22 +1,23 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <variant>
 
-#include "modules/config/section.h"
-#include "modules/formats/packets.h"
-#include "modules/scheduler/policies/policies.h"
+#include "modules/config/error.h"
+#include "modules/scheduler/scheduler_params.h"
 #include "modules/timing/channel.h"
+#include "modules/timing/clock_domain.h"
 #include "modules/timing/junction.h"
+#include "modules/timing/waveform.h"
 
 namespace rtusim {
 
-struct scheduler_params {
-  unsigned select = policy_index<cyclic_first_available>;  ///< which of `scheduler_policies`
-
-  void describe(config::section& s);
-};
-
-/// Hands the job that is offered to one of N cores, within the clock (Espe 2019, sec. 2.2.5, 6.2.2 and app. C.3).
+/// Hands the job that is offered to one of N cores, within the cycle (Espe 2019, sec. 2.2.5, 6.2.2 and app. C.3).
 ///
 /// Timing: combinational both ways; the only registers are the policy's. A policy (`policies/policies.h`) decides which core a job is
 /// shown to, and so when the scheduler is ready. A new one is a class in a file of `policies/`, a line of the list there, and a test.
@@ -33,6 +34,9 @@ class scheduler final : public junction {
   std::uint64_t valid_cycles(unsigned which) override;
   bool points_at(unsigned which, cycle c) const override;
   const Job& payload_at(cycle c) const { return job_in->offered(c); }
+  std::optional<unit_timing> timing() const override;
+  const scheduler_stats& statistics() const { return stats_; }
+  std::unique_ptr<unit_figures> figures() override { return as_figures(stats_); }
 
  private:
   void connect() override;
@@ -46,7 +50,101 @@ class scheduler final : public junction {
   unsigned selected(cycle c) const;
 
   scheduler_policies::any policy_;
+  scheduler_stats stats_;
+  cycle after_last_ = 0;  // the cycle after that of the last job
   unsigned shown_select_ = 0;
 };
+
+template <class Job>
+scheduler<Job>::scheduler(const sc_core::sc_module_name& name, const params& p, unsigned cores)
+    : junction(name), core_out("core_out", cores), policy_(scheduler_policies::with(p.select, [cores](auto policy) {
+        return scheduler_policies::any(std::in_place_type<typename decltype(policy)::type>, cores);
+      })) {}
+
+template <class Job>
+void scheduler<Job>::connect() {
+  own_input(*job_in.operator->());
+  for (unsigned i = 0; i < core_out.size(); ++i) {
+    own_output(*core_out[i].operator->(), i);
+    core_out[i]->drive_from(*this);
+  }
+}
+
+template <class Job>
+void scheduler<Job>::reset() {
+  std::visit([this](const auto& policy) { job_in->offer_ready(policy.ready()); }, policy_);
+}
+
+template <class Job>
+std::optional<unit_timing> scheduler<Job>::timing() const {
+  unit_timing t;
+  t.valid_passes = t.ready_passes = true;
+  return t;
+}
+
+template <class Job>
+unsigned scheduler<Job>::selected(cycle c) const {
+  return std::visit([c](const auto& policy) { return policy.selected(c); }, policy_);
+}
+
+template <class Job>
+void scheduler<Job>::output_ready(unsigned which, bool ready) {
+  job_in->settle_ready();
+  std::visit(
+      [&](auto& policy) {
+        policy.set_ready(which, ready);
+        job_in->offer_ready(policy.ready());
+      },
+      policy_);
+}
+
+template <class Job>
+void scheduler<Job>::input_valid(cycle from, cycle to) {
+  std::visit([from, to](auto& policy) { policy.offered(from, to); }, policy_);
+}
+
+template <class Job>
+std::uint64_t scheduler<Job>::valid_cycles(unsigned which) {
+  job_in->settle_valid();
+  return std::visit([which](const auto& policy) { return policy.valid_cycles(which); }, policy_);
+}
+
+template <class Job>
+channel_base& scheduler<Job>::pass(cycle c) {
+  stats_.count(c - std::max(job_in->valid().from, after_last_));
+  after_last_ = c + 1;
+  return std::visit(
+      [&](auto& policy) -> channel_base& {
+        const unsigned core = policy.selected(c);
+        RTU_CHECK(core, <, core_out.size());
+        channel_base& out = *core_out[core].operator->();
+        RTU_CHECK(out.ready().asserts(c), ==, true);
+        if (policy.take(core)) job_in->offer_ready(policy.ready());
+        return out;
+      },
+      policy_);
+}
+
+template <class Job>
+bool scheduler<Job>::points_at(unsigned which, cycle c) const {
+  return selected(c) == which;
+}
+
+template <class Job>
+bool scheduler<Job>::level(const channel_base& port) const {
+  if (&port != job_in.operator->()) return job_in->valid_level(next_edge());
+  const auto is_ready = [this](unsigned core) { return core_out[core]->ready_level(); };
+  return std::visit([&](const auto& policy) { return policy.takes(next_edge(), is_ready); }, policy_);
+}
+
+template <class Job>
+void scheduler<Job>::settle_registers() {
+  shown_select_ = selected(next_edge());
+}
+
+template <class Job>
+void scheduler<Job>::trace(waveform& w) const {
+  w.add(shown_select_, std::string(name()) + ".select", 16);
+}
 
 }  // namespace rtusim

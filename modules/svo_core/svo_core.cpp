@@ -13,6 +13,7 @@ svo_core::svo_core(const sc_core::sc_module_name& name, const params& p, unsigne
 
 void svo_core::connect() {
   memory_ = memory_port->words();
+  memory_port->attach(*this);
   machine_ = svo_machine(params_, memory_);
 }
 
@@ -96,6 +97,15 @@ bool svo_core::level(const channel_base& port) const {
   return true;
 }
 
+std::optional<unit_timing> svo_core::timing() const {
+  unit_timing t;
+  t.latency_cycles = 1;
+  t.interval_cycles = 2;
+  t.beside_cost = true;
+  t.capacity = 1;
+  return t;
+}
+
 svo_core::stats svo_core::statistics() {
   stats s;
   s.jobs = jobs_;
@@ -109,7 +119,7 @@ svo_core::stats svo_core::statistics() {
   const channel_stats in = job_in->stats();
   const channel_stats out = result_out->stats();
   s.idle_cycles = in.transferred + in.starved;
-  s.out_cycles = out.transferred + out.held_back;
+  s.out_cycles = out.transferred + out.back_pressured;
   return s;
 }
 
@@ -147,7 +157,7 @@ svo_core::stats& svo_core::stats::operator+=(const stats& other) {
 void svo_core::stats::describe(config::report& r) const {
   r.number("jobs", jobs, "jobs", "rays traversed");
   r.number("hits", hits, "jobs", "rays that hit a voxel");
-  r.number("cost", cost, "cycles", "clocks of all traversals: INIT, EVAL, NEXT, PUSH and POP");
+  r.number("cost", cost, "cycles", "cycles of all traversals: INIT, EVAL, NEXT, PUSH and POP");
   r.group("cycles", [this](config::report& g) {
     g.number("idle", idle_cycles, "cycles", "in IDLE: no job");
     g.number("init", visits.init, "cycles", "in INIT: the first child of a cube");

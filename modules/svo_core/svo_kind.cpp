@@ -1,6 +1,7 @@
 #include "modules/svo_core/svo_kind.h"
 
-#include <utility>
+#include "modules/core_bank/figures_of_bank.h"
+#include "modules/core_bank/typed_bank.h"
 
 namespace rtusim {
 namespace {
@@ -8,24 +9,18 @@ namespace {
 constexpr const char* when_chosen = "rtu.core = svo";
 
 /// The cores and the memory that they share.
-class svo_bank final : public typed_bank<traversal_job, job_manager, svo_core> {
+class svo_bank final : public typed_bank<job_manager, svo_core> {
  public:
   svo_bank(const svo_kind& kind, const bank_params& p, const svo_contents& contents)
-      : svo_bank(kind, p, std::make_unique<memory>("memory", kind.memory_, contents.words())) {}
-
-  unsigned job_latency_cycles() const override { return job_manager::latency_cycles; }
-  unsigned core_latency_cycles() const override { return 1; }
-
- private:
-  svo_bank(const svo_kind& kind, const bank_params& p, std::unique_ptr<memory> words)
       : typed_bank(
-            kind.word(), kind.jobs(), p,
+            kind.jobs(), p,
             [params = kind.core_with_format()](const char* n, std::size_t i) { return new svo_core(n, params, static_cast<unsigned>(i)); }),
-        memory_(std::move(words)) {
-    for (auto& core : cores()) core.memory_port(*memory_);
+        memory_("memory", kind.memory_, contents.words()) {
+    for (unsigned i = 0; i < p.cores; ++i) core(i).memory_port(memory_);
   }
 
-  std::unique_ptr<memory> memory_;
+ private:
+  memory memory_;
 };
 
 }  // namespace
@@ -52,10 +47,20 @@ void svo_kind::describe_memories(config::schema& s, const readers& r) {
   s.read_when({"memory"}, r.is_chosen, when_chosen);
 }
 
-std::unique_ptr<bank_figures> svo_kind::no_figures() const {
-  auto figures = std::make_unique<svo_figures>(name);
-  figures->cores.resize(1);
-  return figures;
+std::vector<named_figures> svo_figures(const job_manager::stats& jobs, const scheduler_stats& dispatches,
+                                       const std::vector<svo_core::stats>& cores, const result_manager_stats& results) {
+  memory::stats reads;
+  for (const auto& core : cores) reads.fetches += core.fetches();
+  std::vector<named_figures> all = figures_of_bank(jobs, dispatches, cores, results);
+  all.push_back({"memory", as_figures(reads)});
+  return all;
+}
+
+std::vector<named_figures> svo_kind::blank_figures() const { return svo_figures({}, {}, {{}}, {}); }
+
+std::unique_ptr<memory_contents> svo_kind::blank_contents() const {
+  static const std::vector<std::uint32_t> no_words;
+  return std::make_unique<svo_contents>(no_words);
 }
 
 std::unique_ptr<core_bank> svo_kind::build(const bank_params& p, const memory_contents& contents) const {

@@ -26,7 +26,9 @@ class svo_contents final : public memory_contents {
   const std::vector<std::uint32_t>& words_;
 };
 
-using svo_figures = figures_of<job_manager::stats, svo_core::stats>;
+/// `figures_of_bank`, and what the memory has counted.
+std::vector<named_figures> svo_figures(const job_manager::stats& jobs, const scheduler_stats& dispatches,
+                                       const std::vector<svo_core::stats>& cores, const result_manager_stats& results);
 
 /// Voxel cores (Espe 2019): job_manager -> scheduler -> N x svo_core, all at one memory.
 class svo_kind final : public core_kind {
@@ -49,7 +51,8 @@ class svo_kind final : public core_kind {
   packet_widths packets() const override { return {format.width()}; }
   unsigned fraction_bits() const override { return format.fraction_bits; }
   std::string replay_obstacle() const override { return memory_.which == memory::kind::lut ? "" : "a memory that makes cores wait"; }
-  std::unique_ptr<bank_figures> no_figures() const override;
+  std::vector<named_figures> blank_figures() const override;
+  std::unique_ptr<memory_contents> blank_contents() const override;
   std::unique_ptr<core_bank> build(const bank_params& p, const memory_contents& contents) const override;
 };
 

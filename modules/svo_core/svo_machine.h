@@ -9,7 +9,7 @@
 
 namespace rtusim {
 
-/// The traversal state machine, clock by clock and register by register (Espe 2019, sec. 4.1, 7.2.4 and app. C.4).
+/// The traversal state machine, cycle by cycle and register by register (Espe 2019, sec. 4.1, 7.2.4 and app. C.4).
 ///
 /// A plain class without SystemC: each `step` is one clock edge in which no port fires; `accept` is the edge at which IDLE
 /// takes a job, `release` the edge at which OUT gives its result away. `svo_walk` comes to the same outcome at once.

@@ -33,7 +33,7 @@ struct svo_core_params {
 /// What a ray's traversal comes to.
 struct svo_outcome {
   std::uint32_t job_word = 0;
-  std::uint32_t cost = 0;  ///< clocks in INIT, EVAL, NEXT, PUSH and POP
+  std::uint32_t cost = 0;  ///< cycles in INIT, EVAL, NEXT, PUSH and POP
   std::uint32_t pushes = 0;
   std::uint32_t entry = 0;  ///< word of the cube whose child was looked at last
   std::int64_t t_hit = 0;   ///< of a hit
@@ -44,7 +44,7 @@ struct svo_outcome {
   std::int8_t axis = no_axis;  ///< of a hit
 };
 
-/// Clocks by state of a whole traversal. They follow from its cost, its pushes and how it ended.
+/// Cycles by state of a whole traversal. They follow from its cost, its pushes and how it ended.
 struct svo_visits {
   std::uint64_t init = 0, eval = 0, next = 0, push = 0, pop = 0;
   svo_visits& operator+=(const svo_visits& v);

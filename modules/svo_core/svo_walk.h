@@ -12,7 +12,7 @@ struct svo_cube {
   per_axis<std::uint32_t> place{};
 };
 
-/// Walks a ray to its end at once: the outcome that `svo_machine` reaches clock by clock, with its cost.
+/// Walks a ray to its end at once: the outcome that `svo_machine` reaches cycle by cycle, with its cost.
 class svo_walk {
  public:
   explicit svo_walk(const svo_core_params& p);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <string>
 
 #include "modules/config/report.h"
@@ -24,8 +25,8 @@ struct quotient {
 
 /// The divider alone (Hanika 2007, sec. 3.2 and A.1): see `numeric::divider`.
 ///
-/// Timing: a quotient is offered from `width` edges after its operands were accepted on. Pipelined: one division a clock. Iterative: one
-/// stage goes round, so there is one division in `width` clocks.
+/// Timing: a quotient is offered from `width` edges after its operands were accepted on. Pipelined: one division a cycle. Iterative: one
+/// stage goes round, so there is one division in `width` cycles.
 class t_div final : public pipeline_unit<division, quotient> {
  public:
   struct params {
@@ -44,6 +45,7 @@ class t_div final : public pipeline_unit<division, quotient> {
   t_div(const sc_core::sc_module_name& name, const params& p);
 
   const stats& statistics() const { return stats_; }
+  std::unique_ptr<unit_figures> figures() override { return as_figures(stats_); }
 
  private:
   void process(const division& operands, quotient& result) override;

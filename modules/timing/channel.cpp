@@ -82,7 +82,7 @@ void channel_base::show_levels(cycle c) {
 void channel_stats::describe(config::report& r) const {
   r.number("transferred", transferred, "cycles", "cycles with a transfer: valid and ready");
   r.number("starved", starved, "cycles", "cycles in which the consumer waits: ready, not valid");
-  r.number("held_back", held_back, "cycles", "cycles in which the producer waits: valid, not ready");
+  r.number("back_pressured", back_pressured, "cycles", "cycles in which the producer waits: valid, not ready");
   r.number("idle", idle, "cycles", "cycles in which neither side asserts");
 }
 

@@ -11,6 +11,7 @@
 #include "modules/timing/clock_state.h"
 #include "modules/timing/offer.h"
 #include "modules/timing/unit.h"
+#include "modules/timing/waveform.h"
 
 namespace rtusim {
 
@@ -20,10 +21,10 @@ class waveform;
 
 /// How the cycles of a channel divide, told from valid and ready alone.
 struct channel_stats {
-  std::uint64_t transferred = 0;  ///< valid and ready
-  std::uint64_t starved = 0;      ///< ready, not valid
-  std::uint64_t held_back = 0;    ///< valid, not ready
-  std::uint64_t idle = 0;         ///< neither
+  std::uint64_t transferred = 0;     ///< valid and ready
+  std::uint64_t starved = 0;         ///< ready, not valid
+  std::uint64_t back_pressured = 0;  ///< valid, not ready
+  std::uint64_t idle = 0;            ///< neither
 
   void describe(config::report& r) const;
 };
@@ -40,13 +41,14 @@ class channel_base : public sc_core::sc_object, public virtual sc_core::sc_inter
   cycle last_fire() const { return last_fire_; }
   std::uint64_t transfers() const { return transfers_; }
 
+  // They and what they call run several times a ray, and GCC stops inlining them where many units meet in one source.
   /// Replaces the producer's (consumer's) offer from the next cycle on.
-  void offer_valid(offer o) {
+  [[gnu::always_inline]] void offer_valid(offer o) {
     settle_valid();
     valid_ = o;
     mark_dirty();
   }
-  void offer_ready(offer o) {
+  [[gnu::always_inline]] void offer_ready(offer o) {
     settle_ready();
     ready_ = o;
     if (upstream_ == nullptr)
@@ -55,7 +57,7 @@ class channel_base : public sc_core::sc_object, public virtual sc_core::sc_inter
       tell_upstream();
   }
   /// Call before the pattern behind the present ready (valid) offer changes its mind, then offer again.
-  void settle_valid() {
+  [[gnu::always_inline]] void settle_valid() {
     const cycle end = clock_->next;
     if (end == valid_since_) return;
     if (downstream_ != nullptr) tell_junction(end);
@@ -65,7 +67,7 @@ class channel_base : public sc_core::sc_object, public virtual sc_core::sc_inter
     valid_settled_ = transfers_;
     valid_since_ = end;
   }
-  void settle_ready() {
+  [[gnu::always_inline]] void settle_ready() {
     const cycle end = clock_->next;
     if (end == ready_since_) return;
     const bool met = ready_.when != nullptr && valid_.when == nullptr && std::max(valid_.from, valid_since_) <= ready_since_;
@@ -120,7 +122,7 @@ class channel_base : public sc_core::sc_object, public virtual sc_core::sc_inter
 
   static constexpr unsigned unlisted = ~0u;
 
-  void mark_dirty() {
+  [[gnu::always_inline]] void mark_dirty() {
     if (dirty_) return;
     dirty_ = true;
     clock_->dirty[rank_].push(this);
@@ -164,10 +166,7 @@ class channel_base : public sc_core::sc_object, public virtual sc_core::sc_inter
   bool shown_ready_ = false;
 };
 
-/// Registers the fields of a payload in a waveform; payload types overload it.
-template <class T>
-void trace_fields(waveform& w, const std::string& name, const T& payload);
-
+/// A channel of a payload, whose type has a `trace_fields(waveform, name, payload)` beside it.
 template <class T>
 class channel final : public channel_base {
  public:
@@ -221,6 +220,12 @@ template <class T>
 class rv_out : public sc_core::sc_port<channel<T>>, public rv_port {
  public:
   explicit rv_out(const char* name) : sc_core::sc_port<channel<T>>(name), rv_port(channel_base::side::valid) {}
+};
+
+/// A consumer of any payload, which it does not look at.
+class rv_in_any : public sc_core::sc_port<channel_base>, public rv_port {
+ public:
+  explicit rv_in_any(const char* name) : sc_core::sc_port<channel_base>(name), rv_port(channel_base::side::ready) {}
 };
 
 }  // namespace rtusim

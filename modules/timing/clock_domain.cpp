@@ -267,7 +267,7 @@ void clock_domain::count_checked() {
   if (checked_ != clock_.next) return;  // not from the beginning
   for (channel_base* ch : channels_) {
     const channel_stats s = ch->stats();
-    RTU_CHECK(s.transferred + s.held_back, ==, ch->checked_valid_cycles_);
+    RTU_CHECK(s.transferred + s.back_pressured, ==, ch->checked_valid_cycles_);
     RTU_CHECK(s.transferred + s.starved, ==, ch->checked_ready_cycles_);
   }
 }

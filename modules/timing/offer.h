@@ -38,7 +38,7 @@ struct offer {
     c = std::max(c, from);
     return when == nullptr || c == never ? c : when->next(c);
   }
-  std::uint64_t count(cycle begin, cycle end) const {
+  [[gnu::always_inline]] std::uint64_t count(cycle begin, cycle end) const {
     if (when == nullptr) return cycles_from(from, begin, end);
     begin = std::max(begin, from);
     return begin < end ? when->count(begin, end) : 0;

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <optional>
 #include <string>
 
 #include "modules/timing/channel.h"
@@ -13,7 +15,7 @@ namespace rtusim {
 /// A unit that is a pipeline whose stages move together; `process` says what becomes of a payload.
 ///
 /// Timing: what is accepted at edge e is offered from edge e + stages on. All stages advance when the output is taken or
-/// nothing is offered; ready is the same term, so it follows the consumer's within the clock. Bubbles are not squeezed out. With an
+/// nothing is offered; ready is the same term, so it follows the consumer's within the cycle. Bubbles are not squeezed out. With an
 /// interval above 1 the first stage takes something again only `interval` moves after the last time.
 template <class In, class Out>
 class pipeline_unit : public unit {
@@ -22,6 +24,14 @@ class pipeline_unit : public unit {
   rv_out<Out> out{"out"};
 
   unsigned stages() const { return pipeline_.stages(); }
+  std::optional<unit_timing> timing() const final {
+    unit_timing t;
+    t.latency_cycles = stages();
+    t.interval_cycles = static_cast<unsigned>(interval_);
+    t.capacity = (stages() - 1) / t.interval_cycles + 1;
+    t.ready_passes = true;
+    return t;
+  }
 
  protected:
   /// 1 <= interval <= stages.

@@ -5,7 +5,7 @@
 
 namespace rtusim {
 
-/// A select register over N lines that turns by one every clock, and the lines that are 1: the signal under the register.
+/// A select register over N lines that turns by one every cycle, and the lines that are 1: the signal under the register.
 /// Line selected in cycle c: (c + phase) mod N.
 class rotating_select final : public pattern, public line_set {
  public:

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -8,6 +10,8 @@
 #include "modules/config/report.h"
 #include "modules/timing/calendar.h"
 #include "modules/timing/clock_state.h"
+#include "modules/timing/unit_figures.h"
+#include "modules/timing/unit_timing.h"
 
 namespace rtusim {
 
@@ -24,6 +28,11 @@ class unit : public sc_core::sc_module, public booking {
  public:
   /// The cycle of the next edge of this unit: all before it are done.
   cycle next_edge() const { return next_edge_; }
+  /// Its contract of timing, once its ports are bound; none where nothing passes through it: at an end, or in a memory that is read within
+  /// the cycle.
+  virtual std::optional<unit_timing> timing() const { return std::nullopt; }
+  /// What it counted in all cycles before the domain's next edge; null if it counts nothing.
+  virtual std::unique_ptr<unit_figures> figures() { return nullptr; }
 
  protected:
   explicit unit(const sc_core::sc_module_name& name);

@@ -12,13 +12,6 @@
 namespace rtusim {
 namespace {
 
-constexpr char axis_letters[] = "xyz";
-
-template <class T>
-void trace_axes(waveform& w, const std::string& name, const per_axis<T>& values, unsigned bits) {
-  for (unsigned i = 0; i < 3; ++i) w.add(values[i], name + axis_letters[i], bits);
-}
-
 /// The codes that VCD has for variables: the printable characters as digits.
 std::string code_of(std::size_t number) {
   constexpr char first = '!', last = '~';
@@ -106,8 +99,9 @@ void waveform::show(clock_domain& domain) {
   write_time(begin_of(domain, coming));
   if (is_first) text_.append(std::string_view("$dumpvars\n"));
   for (traced& v : variables_) {
-    const std::uint64_t value = v.value(v.at) & (~std::uint64_t{0} >> (64 - v.bits));
+    const std::uint64_t all = v.value(v.at), value = all & (~std::uint64_t{0} >> (64 - v.bits));
     if (!is_first && value == v.shown) continue;
+    cut_values_ += all != value && static_cast<std::int64_t>(all) >> (v.bits - 1) != -1;
     v.shown = value;
     write_value(v);
   }
@@ -125,43 +119,6 @@ void waveform::close() {
   output_->write({text_.data(), text_.size()});
   output_->commit();
   output_.reset();
-}
-
-void trace_fields(waveform& w, const std::string& name, const job_packet& p) {
-  w.add(p.job_word, name + ".job_word");
-  if (w.widths().address) w.add(p.address, name + ".address");
-  trace_axes(w, name + '.' + w.widths().sent_first + "_float_", p.t0, 32);
-  trace_axes(w, name + '.' + w.widths().sent_second + "_float_", p.t1, 32);
-}
-
-void trace_fields(waveform& w, const std::string& name, const traversal_job& j) {
-  w.add(j.job_word, name + ".job_word");
-  w.add(j.address, name + ".address");
-  trace_axes(w, name + ".t0", j.t0, w.widths().t);
-  trace_axes(w, name + ".t1", j.t1, w.widths().t);
-}
-
-void trace_fields(waveform& w, const std::string& name, const triangle_job& j) {
-  w.add(j.job_word, name + ".job_word");
-  w.add(j.ray.misses_box, name + ".misses_box");
-  for (unsigned i = 0; i < 3; ++i) w.add(j.ray.position[i], name + ".pos_" + axis_letters[i], w.widths().position);
-  trace_axes(w, name + ".dir_", j.ray.direction, w.widths().direction);
-  trace_axes(w, name + ".idir_", j.ray.reciprocal, w.widths().reciprocal);
-}
-
-void trace_fields(waveform& w, const std::string& name, const traversal_result& r) {
-  w.add(r.job_word, name + ".job_word");
-  w.add(r.hit, name + ".hit");
-  w.add(r.t_hit, name + ".t_hit", w.widths().t);
-  w.add(r.cost, name + ".cost");
-  if (w.widths().uv != 0) {
-    w.add(r.triangle, name + ".triangle");
-    w.add(r.u, name + ".u", w.widths().uv);
-    w.add(r.v, name + ".v", w.widths().uv);
-  } else {
-    w.add(r.normal_axis, name + ".normal_axis", 3);
-    w.add(r.normal_sign, name + ".normal_sign", 2);
-  }
 }
 
 void trace_fields(waveform& w, const std::string& name, const std::uint32_t& word) { w.add(word, name + ".data"); }

@@ -10,25 +10,12 @@
 #include <fmt/format.h>
 
 #include "modules/config/files.h"
-#include "modules/formats/packets.h"
-#include "modules/formats/triangle_job.h"
+#include "modules/formats/packet_widths.h"
 #include "modules/timing/offer.h"
 
 namespace rtusim {
 
 class clock_domain;
-
-/// How a waveform shows the packets' words: their bits, 0 for those that a kind of core does not have.
-struct packet_widths {
-  unsigned t = 32;  ///< t of jobs and results
-  unsigned uv = 0;  ///< u and v of results
-  unsigned position = 0;
-  unsigned direction = 0;
-  unsigned reciprocal = 0;
-  const char* sent_first = "t0";  ///< what the two triples of words are that the host sends
-  const char* sent_second = "t1";
-  bool address = true;  ///< whether jobs have one
-};
 
 /// A VCD file (IEEE 1364-2005, 18.2) of every channel, state and counter of a clock domain, for the cycles of a window.
 ///
@@ -62,6 +49,8 @@ class waveform {
   /// Errors: input_error when the file could not be written to its end.
   void close();
   bool recorded() const { return recorded_; }
+  /// How many values, unsigned or signed, were wider than their variables, and lost bits.
+  std::uint64_t cut_values() const { return cut_values_; }
 
  private:
   struct traced {
@@ -84,16 +73,13 @@ class waveform {
   fmt::memory_buffer text_;        // to be written
   std::uint64_t fall_ = 0;         // of the cycle that was shown last: its middle, in picoseconds,
   std::uint64_t end_ = 0;          // and its end
+  std::uint64_t cut_values_ = 0;
   bool recorded_ = false;
   bool clock_ = false;
   std::uint64_t cycle_ = 0;
 };
 
-/// The fields of the packets that run between the units, as a waveform shows them.
-void trace_fields(waveform& w, const std::string& name, const job_packet& p);
-void trace_fields(waveform& w, const std::string& name, const traversal_job& j);
-void trace_fields(waveform& w, const std::string& name, const triangle_job& j);
-void trace_fields(waveform& w, const std::string& name, const traversal_result& r);
+/// The fields of what runs between the units, as a waveform shows them; each type of payload has its own beside it.
 void trace_fields(waveform& w, const std::string& name, const std::uint32_t& word);
 void trace_fields(waveform& w, const std::string& name, const std::int64_t& word);
 

@@ -9,7 +9,7 @@
 
 namespace rtusim {
 
-/// What a core sees of the triangle memory and the intersector behind it. It puts a triangle's number to the memory in a clock of its
+/// What a core sees of the triangle memory and the intersector behind it. It puts a triangle's number to the memory in a cycle of its
 /// own choice, `interval_cycles` or more after the last one, and has the outcome `latency_cycles` later.
 class intersector_interface : public virtual sc_core::sc_interface {
  public:
@@ -24,7 +24,7 @@ class intersector_interface : public virtual sc_core::sc_interface {
 /// The triangle memory and the intersector as a core has them for itself (Hanika 2007, sec. 3.1): nothing can make it stall, so what
 /// leaves it follows from what enters.
 ///
-/// Timing: 1 clock in the memory's address register, then the stages of `triangle_unit`: 42 as built.
+/// Timing: 1 cycle in the memory's address register, then the stages of `triangle_unit`: 42 as built.
 class triangle_pipeline final : public sc_core::sc_module, public intersector_interface {
  public:
   using params = triangle_unit_params;

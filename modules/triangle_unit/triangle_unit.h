@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <string>
 
 #include "modules/config/report.h"
@@ -43,7 +44,7 @@ struct triangle_result {
 /// Timing: 4 stages before the divider (select; products; sums; numerator and denominator), the divider's, one a bit, and 4 after it (t
 /// dir; k; products; u and v): n + 11 as built with m = n + 2, 2 more where the denominator does not wrap, as the divider is then 2 bits
 /// wider. What is accepted at edge e is offered from edge e + stages on. All stages move together; a triangle that is missed
-/// early takes as long. With an iterative divider one pair is accepted in as many clocks as it has bits.
+/// early takes as long. With an iterative divider one pair is accepted in as many cycles as it has bits.
 class triangle_unit final : public pipeline_unit<triangle_request, triangle_result> {
  public:
   using params = triangle_unit_params;
@@ -64,6 +65,7 @@ class triangle_unit final : public pipeline_unit<triangle_request, triangle_resu
   static unsigned stages_of(const params& p) { return stages_around_divider + triangle_intersector(p.words, p.errata).divider_width(); }
 
   const stats& statistics() const { return stats_; }
+  std::unique_ptr<unit_figures> figures() override { return as_figures(stats_); }
 
  private:
   static constexpr unsigned stages_around_divider = 8;

@@ -5,8 +5,7 @@
 namespace rtusim {
 std::vector<std::string> run_figures::warnings() const {
   std::vector<std::string> all;
-  if (const auto c = bank->conversion(); c.overflows + c.nans != 0)
-    all.push_back(fmt::format("{} parameters of the jobs lie beyond the fixed-point range, {} are no number", c.overflows, c.nans));
+  for (const auto& unit : units) unit.figures->warn(all);
   if (host.model) host.model->warn(all);
   if (host.duplicate_ids != 0)
     all.push_back(fmt::format("{} jobs have the id of an earlier one; a picture shows the nearest hit", host.duplicate_ids));
@@ -33,8 +32,7 @@ void run_figures::describe(config::report& r) const {
   r.group("latency", [this](config::report& g) { results.latency.describe(g, "cycles"); });
   r.group("cost", [this](config::report& g) { results.cost.describe(g, "cycles"); });
   r.group("waits", [&](config::report& g) { results.waits.describe(g, rays); });
-  r.group("job_manager", [this](config::report& g) { bank->describe_job_manager(g); });
-  bank->describe_cores(r);
+  rtusim::describe(units, r);
   r.group("channels", [this](config::report& g) {
     for (const auto& [name, stats] : channels) g.group(name, [&s = stats](config::report& c) { s.describe(c); });
   });

@@ -1,13 +1,12 @@
 #pragma once
 
-#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "modules/config/report.h"
-#include "modules/core_bank/core_bank.h"
 #include "modules/timing/channel.h"
+#include "modules/timing/unit_figures.h"
 #include "testbench/bench/histogram.h"
 #include "testbench/bench/host_figures.h"
 #include "testbench/bench/scoreboard.h"
@@ -19,7 +18,7 @@ struct run_figures {
   double clock_mhz = 0;
   host_figures host;
   result_figures results;
-  std::shared_ptr<const bank_figures> bank;                     ///< of the job manager and the cores
+  std::vector<named_figures> units;                             ///< in the order of construction
   std::vector<std::pair<std::string, channel_stats>> channels;  ///< by instance name, in the order of construction
 
   /// What was lost or changed on the way in, a sentence each, as a warning tells it.

@@ -4,20 +4,20 @@
 
 namespace rtusim {
 
-scoreboard::scoreboard(rtu& unit, channel<job_packet>& jobs, channel<traversal_result>& results)
-    : job_latency_cycles_(unit.bank().job_latency_cycles()), core_latency_cycles_(unit.bank().core_latency_cycles()) {
-  std::size_t ring = 16;
-  while (ring < job_latency_cycles_ + 2 * unit.cores() + 2) ring *= 2;
-  flights_.resize(ring);
+scoreboard::scoreboard(core_bank& bank, channel<job_packet>& jobs, channel_base& results) : bank_(bank), flights_(64) {
   jobs.observe(*this, 0);
-  for (unsigned i = 0; i < unit.cores(); ++i) {
-    unit.bank().core_job_channel(i).observe_as<core_job>(*this, i);
-    unit.core_results()[i].observe(*this, i);
+  for (unsigned i = 0; i < bank.cores(); ++i) {
+    bank.core_job_channel(i).observe_as<core_job>(*this, i);
+    bank.core_result_channel(i).observe_as<traversal_result>(*this, i);
   }
-  results.observe(*this, unit_output);
+  results.observe_as<traversal_result>(*this, unit_output);
 }
 
 void scoreboard::transferred(unsigned, cycle c, const job_packet& p) {
+  if (accepted_ == 0) {
+    job_latency_cycles_ = bank_.job_timing().latency_cycles;
+    core_latency_cycles_ = bank_.core_timing().latency_cycles;
+  }
   // Rays leave out of order, so a slot can be busy although fewer than the ring's are in flight: then the ring grows.
   if (in_flight(accepted_).accepted != never) {
     std::vector<flight> more(flights_.size() * 2);

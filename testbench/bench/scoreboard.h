@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "modules/config/report.h"
+#include "modules/core_bank/core_bank.h"
 #include "modules/formats/packets.h"
-#include "modules/rtu/rtu.h"
 #include "modules/timing/channel.h"
 #include "testbench/bench/histogram.h"
 
@@ -68,14 +68,14 @@ struct result_figures {
   void mix(std::uint64_t word) { checksum = (checksum ^ word) * 1099511628211u; }
 };
 
-/// Called for each result in the order of leaving, with its cycle and latency.
+/// Called for each result in the order of leaving, with its cycle and latency. It is of the kind's own type.
 using result_handler = std::function<void(cycle, const traversal_result&, std::uint64_t latency_cycles)>;
 
 /// Watches an RTU's channels: that each job comes to one result, in order where order is promised, and how long each part took.
 /// A violation is a simulation_error.
 class scoreboard final {
  public:
-  scoreboard(rtu& unit, channel<job_packet>& jobs, channel<traversal_result>& results);
+  scoreboard(core_bank& bank, channel<job_packet>& jobs, channel_base& results);
 
   void on_result(result_handler handler) { handler_ = std::move(handler); }
   /// Called with the number of each job as it is accepted, from 0 on.
@@ -103,8 +103,9 @@ class scoreboard final {
   flight& in_flight(std::uint32_t sequence) { return flights_[sequence & (flights_.size() - 1)]; }
   void arrived(cycle c, const traversal_result& r);
 
-  cycle job_latency_cycles_;
-  cycle core_latency_cycles_;
+  const core_bank& bank_;
+  cycle job_latency_cycles_ = 0;
+  cycle core_latency_cycles_ = 0;
   std::vector<flight> flights_;  // ring by sequence
   std::uint32_t accepted_ = 0;
   std::uint32_t dispatched_ = 0;

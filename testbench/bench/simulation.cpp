@@ -1,6 +1,7 @@
 #include "testbench/bench/simulation.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "modules/config/error.h"
 
@@ -15,11 +16,11 @@ simulation::simulation(const design& d, const surroundings& s, const memory_cont
       source_("source", s.source, jobs),
       rtu_("rtu", d, model),
       sink_("sink", s.sink, jobs.size()),
-      scoreboard_(rtu_, job_, result_) {
+      result_(rtu_.bank().make_result_channel("result")),
+      scoreboard_(rtu_.bank(), job_, *result_) {
   source_.out(job_);
   rtu_.job_in(job_);
-  rtu_.result_out(result_);
-  sink_.in(result_);
+  sink_.in(*result_);
   clock_.set_pace(p);
   clock_.set_watchdog(s.watchdog_cycles);
   if (window) {
@@ -61,7 +62,8 @@ run_figures simulation::figures() {
   run_figures f;
   f.clock_mhz = clock_mhz_;
   f.results = scoreboard_.figures();
-  f.bank = rtu_.bank().figures();
+  for (unit* const u : clock_.units())
+    if (auto figures = u->figures()) f.units.push_back({u->basename(), std::move(figures)});
   for (channel_base* ch : clock_.channels()) f.channels.emplace_back(ch->basename(), ch->stats());
   return f;
 }

@@ -36,7 +36,7 @@ class simulation {
 
   clock_domain& clock() { return clock_; }
   scoreboard& board() { return scoreboard_; }
-  rtu& unit() { return rtu_; }
+  rtu& dut() { return rtu_; }
 
   /// Runs until every job has its result.
   /// Errors: simulation_error when the watchdog ends it or a check fails; input_error for a window that the run does not reach.
@@ -54,9 +54,9 @@ class simulation {
   clock_domain clock_;
   stream_source<job_packet> source_;
   rtu rtu_;
-  stream_sink<traversal_result> sink_;
+  any_sink sink_;
   channel<job_packet> job_{"job"};
-  channel<traversal_result> result_{"result"};
+  std::unique_ptr<channel_base> result_;
   scoreboard scoreboard_;
   std::unique_ptr<waveform> waveform_;
 };

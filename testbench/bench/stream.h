@@ -72,12 +72,12 @@ class stream_source final : public unit {
 };
 
 /// Takes items and ends the simulation after the last one expected.
-template <class T>
-class stream_sink final : public unit {
+template <class Port>
+class port_sink final : public unit {
  public:
-  rv_in<T> in{"in"};
+  Port in{"in"};
 
-  stream_sink(const sc_core::sc_module_name& name, const sink_params& p, std::uint64_t expected)
+  port_sink(const sc_core::sc_module_name& name, const sink_params& p, std::uint64_t expected)
       : unit(name), params_(p), expected_(expected) {
     if (p.ready == sink_params::regime::lfsr) random_ = std::make_unique<lfsr>(p.seed);
   }
@@ -103,5 +103,9 @@ class stream_sink final : public unit {
   std::unique_ptr<lfsr> random_;
   std::uint64_t received_ = 0;
 };
+
+template <class T>
+using stream_sink = port_sink<rv_in<T>>;
+using any_sink = port_sink<rv_in_any>;
 
 }  // namespace rtusim

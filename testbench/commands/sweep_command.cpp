@@ -74,7 +74,7 @@ worker_report run_point(const sweep_plan& plan, const sweep_task& t, const run_i
   const auto begin = wall_clock::now();
   const auto s = plan.setup(*t.point);
   RTU_CHECK(identity_of(*s, t.inputs), ==, t.identity);
-  shared.model->settle(s->unit);
+  shared.model->settle(s->hardware);
   std::optional<run_pictures> shown;
   run_manner manner;
   manner.pace = shared.walked ? quickest_pace(*s) : run_pace::skipping;

@@ -36,7 +36,7 @@ std::vector<std::string> bih_host::timing_only() const {
           "triangle_unit"};
 }
 
-host_figures bih_host::no_figures() const {
+host_figures bih_host::blank_figures() const {
   host_figures figures;
   figures.model = std::make_shared<triangle_figures>();
   return figures;

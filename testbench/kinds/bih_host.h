@@ -27,7 +27,7 @@ class bih_host final : public host_kind {
   std::unique_ptr<loaded_model> load(const design& d, const scene& what) const override;
   std::vector<lone_unit> units() const override;
   std::vector<std::string> timing_only() const override;
-  host_figures no_figures() const override;
+  host_figures blank_figures() const override;
 
  private:
   triangle_driver_params driver_;

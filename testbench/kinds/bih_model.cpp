@@ -62,10 +62,12 @@ frame::places bih_model::places(const design&, const std::vector<job_packet>& jo
   return where;
 }
 
-loaded_model::surface_finder bih_model::surfaces(const design& d) const {
-  const auto finder =
+loaded_model::result_keeper bih_model::keeper(const design& d, const std::vector<job_packet>& jobs, frame& picture) const {
+  const auto surfaces =
       std::make_shared<triangle_surfaces>(model_, d.of<bih_kind>().words, d.of<bih_kind>().intersector.errata.t_halved ? 2 : 1);
-  return [finder](const job_packet& job, const traversal_result& r) { return finder->at(job, r); };
+  return [surfaces, &jobs, &picture](const traversal_result& r, std::uint64_t latency_cycles) {
+    picture.store(r, latency_cycles, surfaces->at(jobs[r.sequence], static_cast<const mesh_result&>(r)));
+  };
 }
 
 void bih_model::describe(nlohmann::ordered_json& inputs) const {
@@ -77,7 +79,8 @@ void bih_model::describe(nlohmann::ordered_json& inputs) const {
 
 std::string bih_model::size_text() const { return grouped(model_.hierarchy.triangles.size()) + " triangles"; }
 
-void bih_model::add_log_line(fmt::memory_buffer& to, cycle c, const traversal_result& r) const {
+void bih_model::add_log_line(fmt::memory_buffer& to, cycle c, const traversal_result& any) const {
+  const auto& r = static_cast<const mesh_result&>(any);
   fmt::format_to(std::back_inserter(to), "{},{},{},{},{},{},{},{},{}\n", c, r.core, r.job_word, static_cast<int>(r.hit),
                  r.hit ? std::int64_t{model_.faces[r.triangle]} : -1, r.t_hit, r.u, r.v, r.cost);
 }

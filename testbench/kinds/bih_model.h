@@ -26,7 +26,8 @@ class bih_model final : public loaded_model {
   void settle(design& d) const override;
   std::uint64_t walk_cycles(const design& d, const std::vector<job_packet>& jobs) const override;
   frame::places places(const design& d, const std::vector<job_packet>& jobs, const frame& picture) const override;
-  surface_finder surfaces(const design& d) const override;
+  bool has_surfaces() const override { return true; }
+  result_keeper keeper(const design& d, const std::vector<job_packet>& jobs, frame& picture) const override;
   void describe(nlohmann::ordered_json& inputs) const override;
   std::string size_text() const override;
   std::string_view cores_word() const override { return "triangle"; }

@@ -38,7 +38,7 @@ class host_kind {
   /// them.
   virtual std::vector<std::string> timing_only() const { return {}; }
   /// What figures of the host there are.
-  virtual host_figures no_figures() const { return {}; }
+  virtual host_figures blank_figures() const { return {}; }
 
  protected:
   host_kind() = default;

@@ -31,9 +31,9 @@ std::vector<config::report::entry> all_figures() {
   const host_kinds hosts;
   for (const auto& kind : core_kinds().make()) {
     run_figures run;
-    run.bank = kind->no_figures();
+    run.units = kind->blank_figures();
     for (const auto& host : hosts.all())
-      if (host->word() == kind->word()) run.host = host->no_figures();
+      if (host->word() == kind->word()) run.host = host->blank_figures();
     run.channels.emplace_back("job", channel_stats{});
     config::report all;
     run.describe(all);

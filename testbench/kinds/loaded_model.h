@@ -48,9 +48,11 @@ class loaded_model {
 
   /// Where the rays that hit met the model.
   virtual frame::places places(const design& d, const std::vector<job_packet>& jobs, const frame& picture) const = 0;
-  /// What a result shows, for a frame with surfaces; empty where a result's own words say all.
-  using surface_finder = std::function<frame::surface(const job_packet&, const traversal_result&)>;
-  virtual surface_finder surfaces(const design&) const { return {}; }
+  /// Whether its frames have surfaces.
+  virtual bool has_surfaces() const { return false; }
+  /// What keeps a result of the kind in a frame, as it leaves. `jobs`, the frame and this must outlive it.
+  using result_keeper = std::function<void(const traversal_result&, std::uint64_t latency_cycles)>;
+  virtual result_keeper keeper(const design& d, const std::vector<job_packet>& jobs, frame& picture) const = 0;
 
   /// Its sizes and checksum, for the record's inputs.
   virtual void describe(nlohmann::ordered_json& inputs) const = 0;

@@ -76,6 +76,12 @@ std::unique_ptr<ray_walker> svo_model::walker(const design& d) const {
   return std::make_unique<svo_walker>(d.of<svo_kind>(), octree_.words);
 }
 
+loaded_model::result_keeper svo_model::keeper(const design&, const std::vector<job_packet>&, frame& picture) const {
+  return [&picture](const traversal_result& r, std::uint64_t latency_cycles) {
+    picture.store(static_cast<const voxel_result&>(r), latency_cycles);
+  };
+}
+
 frame::places svo_model::places(const design& d, const std::vector<job_packet>& jobs, const frame& picture) const {
   frame::places where;
   where.points = points_of(jobs, picture, [](const job_packet& job, double distance) { return point_on_ray(job, distance); });
@@ -95,7 +101,8 @@ void svo_model::describe(nlohmann::ordered_json& inputs) const {
 
 std::string svo_model::size_text() const { return fmt::format("{} voxels an edge", voxels_an_edge()); }
 
-void svo_model::add_log_line(fmt::memory_buffer& to, cycle c, const traversal_result& r) const {
+void svo_model::add_log_line(fmt::memory_buffer& to, cycle c, const traversal_result& any) const {
+  const auto& r = static_cast<const voxel_result&>(any);
   const int axis = r.normal_axis;
   fmt::format_to(std::back_inserter(to), "{},{},{},{},{},{},{},{},{}\n", c, r.core, r.job_word, static_cast<int>(r.hit),
                  r.hit ? r.t_hit : 0, r.hit ? axis : -1, r.cost, r.t_hit, axis);

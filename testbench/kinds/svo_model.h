@@ -28,6 +28,7 @@ class svo_model final : public loaded_model {
   const memory_contents& memories() const override { return contents_; }
   std::uint64_t walk_cycles(const design& d, const std::vector<job_packet>& jobs) const override;
   std::unique_ptr<ray_walker> walker(const design& d) const override;
+  result_keeper keeper(const design& d, const std::vector<job_packet>& jobs, frame& picture) const override;
   frame::places places(const design& d, const std::vector<job_packet>& jobs, const frame& picture) const override;
   void describe(nlohmann::ordered_json& inputs) const override;
   std::string size_text() const override;

@@ -11,6 +11,7 @@ namespace {
 /// What a schedule has to know of voxel cores.
 class svo_way {
  public:
+  using result_type = voxel_result;
   static constexpr unsigned job_latency_cycles = job_manager::latency_cycles;
 
   explicit svo_way(const design& d) : params_(d.of<svo_kind>().core_with_format()), buses_(d.rtu.cores) {}
@@ -19,7 +20,7 @@ class svo_way {
     if (ray.overflow) throw svo_stack_overflow(fmt::format("rtu.core_{}", core), params_.stack_depth, job, ray.job_word, dispatched);
   }
   /// A miss may keep the core's last hit.
-  void show(unsigned core, const walked_ray& ray, traversal_result& r) {
+  void show(unsigned core, const walked_ray& ray, voxel_result& r) {
     svo_outcome o;
     o.hit = ray.hit;
     o.t_hit = ray.t_hit;
@@ -30,11 +31,11 @@ class svo_way {
     r.normal_axis = bus.axis;
     r.normal_sign = bus.sign;
   }
-  std::shared_ptr<const bank_figures> figures(const job_manager::stats& jobs, const std::vector<replaying::core_schedule>& cores) const {
-    auto all = std::make_shared<svo_figures>(svo_kind::name);
-    all->jobs = jobs;
+  std::vector<named_figures> figures(const job_manager::stats& jobs, const scheduler_stats& dispatches,
+                                     const std::vector<replaying::core_schedule>& cores, const result_manager_stats& results) const {
+    std::vector<svo_core::stats> all;
     for (const auto& core : cores) {
-      svo_core::stats& s = all->cores.emplace_back();
+      svo_core::stats& s = all.emplace_back();
       s.jobs = core.jobs;
       s.hits = core.hits;
       s.cost = core.cost;
@@ -42,7 +43,7 @@ class svo_way {
       s.out_cycles = core.jobs + core.waited_cycles;
       s.visits = visits_of_sums(core.jobs, core.cost, core.pushes, core.depth, core.ends);
     }
-    return all;
+    return svo_figures(jobs, dispatches, all, results);
   }
 
  private:

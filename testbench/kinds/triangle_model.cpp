@@ -88,7 +88,7 @@ triangle_surfaces::triangle_surfaces(const triangle_model& model, const quantisa
       origin_unit_(std::ldexp(1.0, static_cast<int>(q.n))),
       distance_unit_(static_cast<double>(distance_unit)) {}
 
-frame::surface triangle_surfaces::at(const job_packet& job, const traversal_result& r) const {
+frame::surface triangle_surfaces::at(const job_packet& job, const mesh_result& r) const {
   frame::surface s;
   if (!r.hit) return s;
   ray_setup_stats ignored;

@@ -54,7 +54,7 @@ class triangle_surfaces {
   triangle_surfaces(const triangle_model& model, const quantisation& q, std::int64_t distance_unit);
 
   /// The distance of a hit from its ray's origin, in world units, the normal, turned to where the ray came from, and the mesh's face.
-  frame::surface at(const job_packet& job, const traversal_result& r) const;
+  frame::surface at(const job_packet& job, const mesh_result& r) const;
 
  private:
   const triangle_model& model_;

@@ -22,7 +22,7 @@ class frame {
   struct pixel {
     float t_hit = 0;                   ///< ray parameter of the hit, in world units as directions have length 1
     std::uint32_t latency_cycles = 0;  ///< as told to `store`; the greatest number stands for all beyond it
-    std::uint32_t cost = 0;            ///< clocks in all states of the core but IDLE and OUT
+    std::uint32_t cost = 0;            ///< cycles in all states of the core but IDLE and OUT
     std::uint32_t sequence = 0;        ///< which job of the run it comes from
     std::uint16_t core = 0;
     std::int8_t normal_axis = no_axis;  ///< 0, 1, 2 or no_axis
@@ -66,14 +66,16 @@ class frame {
   /// Keeps a result at the pixel that its job id names. Of several for a pixel it keeps the nearest hit, of equals that of
   /// the earlier job (Espe 2019, sec. 5.3.4: a scene of several octrees). False if it is not kept; counted in
   /// `strays` if the id lies outside the frame.
-  bool store(const traversal_result& r, std::uint64_t latency_cycles) {
-    const std::uint32_t index = r.pixel();
-    if (index >= pixels_.size()) {
-      ++strays_;
-      return false;
+  bool store(const voxel_result& r, std::uint64_t latency_cycles) {
+    pixel* const p = stored(r, latency_cycles);
+    if (p != nullptr && r.hit) {
+      p->normal_axis = r.normal_axis;
+      p->normal_sign = r.normal_sign;
     }
-    return keep(pixels_[index], r, latency_cycles, r.hit ? static_cast<float>(static_cast<double>(r.t_hit) * unit_) : 0.0f);
+    return p != nullptr;
   }
+  /// The same of a result that has no normal.
+  bool store(const traversal_result& r, std::uint64_t latency_cycles) { return stored(r, latency_cycles) != nullptr; }
   /// `cycles`: of each ray's latency beside its cost in which it waits for nobody.
   void set_way(std::uint64_t cycles) { way_cycles_ = cycles; }
   /// Of a ray's latency, the cycles in which it waited: for a core, for the core's result buffer, for its turn to leave.
@@ -95,6 +97,16 @@ class frame {
   std::uint64_t strays() const { return strays_; }    ///< results whose id lies outside the frame
 
  private:
+  /// The pixel that keeps a result; null if none does.
+  pixel* stored(const traversal_result& r, std::uint64_t latency_cycles) {
+    const std::uint32_t index = r.pixel();
+    if (index >= pixels_.size()) {
+      ++strays_;
+      return nullptr;
+    }
+    const float t = r.hit ? static_cast<float>(static_cast<double>(r.t_hit) * unit_) : 0.0f;
+    return keep(pixels_[index], r, latency_cycles, t) ? &pixels_[index] : nullptr;
+  }
   bool keep(pixel& p, const traversal_result& r, std::uint64_t latency_cycles, float distance) {
     if (p.traced() && std::tuple(!r.hit, distance, r.sequence) >= std::tuple(!p.hit, p.t_hit, p.sequence)) return false;
     arrived_ += !p.arrived;
@@ -103,8 +115,8 @@ class frame {
     p.cost = r.cost;
     p.sequence = r.sequence;
     p.core = r.core;
-    p.normal_axis = r.hit ? r.normal_axis : no_axis;
-    p.normal_sign = r.hit ? r.normal_sign : std::int8_t{0};
+    p.normal_axis = no_axis;
+    p.normal_sign = 0;
     p.hit = r.hit;
     p.arrived = true;
     return true;

@@ -190,7 +190,7 @@ picture_map normal_map(const frame& f) {
 picture_map cost_map(const frame& f) {
   picture_map map;
   map.title = "Cost of misses";
-  map.meaning = "Clocks spent on rays that hit nothing, in red; hits are grey.";
+  map.meaning = "Cycles spent on rays that hit nothing, in red; hits are grey.";
   double most = 2;
   for (const auto& p : f.pixels())
     if (p.traced() && !p.hit) most = std::max<double>(most, p.cost);
@@ -203,9 +203,9 @@ picture_map cost_map(const frame& f) {
   scale.low = 2;
   scale.cut = most > all_red;
   scale.high = std::min(most, all_red);
-  scale.unit = "clocks";
+  scale.unit = "cycles";
   scale.shown = [high = scale.high](double share) { return missed_shown(static_cast<std::uint32_t>(2 + share * (high - 2))); };
-  scale.figures = fmt::format("dearest miss: {} clocks", grouped(static_cast<std::uint64_t>(most)));
+  scale.figures = fmt::format("most expensive miss: {} cycles", grouped(static_cast<std::uint64_t>(most)));
   map.scale = std::move(scale);
   map.swatches = hits_by_axis(f);
   return map;
@@ -247,7 +247,7 @@ picture_map base_map(const frame& f, picture_kind kind) {
     case picture_kind::normal: return normal_map(f);
     case picture_kind::cost: return cost_map(f);
     case picture_kind::heat:
-      return scalar_map(f, "Cost", "Clocks that a core worked on the ray, hit or miss.", "clocks", colour_scale::inferno,
+      return scalar_map(f, "Cost", "Cycles that a core worked on the ray, hit or miss.", "cycles", colour_scale::inferno,
                         [](const frame::pixel& p) { return p.cost; });
     case picture_kind::latency:
       return scalar_map(f, "Latency", "Cycles from the ray's arrival in the unit to its result.", "cycles", colour_scale::viridis,

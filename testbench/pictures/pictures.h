@@ -62,7 +62,7 @@ class picture_preparation {
 ///
 /// EXR channels (32-bit float, so exact up to 2^24): `R`, `G`, `B` the shaded picture in linear light, so that it looks like the
 /// PNG; `lit.R`, `lit.G`, `lit.B` the lit one; `hit` 0 or 1; `depth` t_hit in world units; `normal.x`, `.y`, `.z`; `position.x`, `.y`,
-/// `.z` of the hit in world units; `ambient` the sky's share, 0 to 1; `cost` in clocks; `core`, -1 for a pixel without a result;
+/// `.z` of the hit in world units; `ambient` the sky's share, 0 to 1; `cost` in cycles; `core`, -1 for a pixel without a result;
 /// `latency` and `wait` in cycles; `model` 0, -1 on a miss; of triangle cores `triangle`, its number, of others `voxel.x`, `.y`, `.z` in
 /// finest voxels, -1 on a miss. Depth, normal and position of a miss are 0. Without places, position is 0, ambient 1, voxel -1.
 /// Errors: input_error when the file can't be written, and for a sheet when its font is missing.

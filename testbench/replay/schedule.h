@@ -27,8 +27,10 @@ namespace rtusim::replaying {
 ///     static constexpr unsigned job_latency_cycles;                          // from accepted to dispatched at the earliest
 ///     explicit Way(const design&);
 ///     void check(const walked_ray&, unsigned core, std::uint32_t job, cycle dispatched) const;  // throws for a walk that is a fault
-///     void show(unsigned core, const walked_ray&, traversal_result&);        // what the result bus carries, in the order of leaving
-///     std::shared_ptr<const bank_figures> figures(const job_manager::stats&, const std::vector<core_schedule>&) const;
+///     using result_type = ...;                                               // of a core
+///     void show(unsigned core, const walked_ray&, result_type&);             // what the result bus carries, in the order of leaving
+///     /// Of the bank's units, in their order.
+///     std::vector<named_figures> figures(const job_manager::stats&, const scheduler_stats&, const std::vector<core_schedule>&, const result_manager_stats&) const;
 template <bool Held, class Policy, class Way>
 class schedule final : public job_schedule {
  public:
@@ -93,7 +95,7 @@ class schedule final : public job_schedule {
     const unsigned chosen = policy_.core();
     core_schedule& core = cores_[chosen];
     core.idle_cycles += dispatched - core.free_from + 1;
-    pending_valid_cycles_ += dispatched - output_from + 1;
+    dispatches_.count(dispatched - output_from);
     last_dispatch_ = dispatched;
     way_.check(ray, chosen, j, dispatched);
 
@@ -134,6 +136,7 @@ class schedule final : public job_schedule {
       core.drained = drained;
       core.waited_cycles += buffered - done;
       core.full_cycles += drained - buffered;
+      results_.count(drained - buffered);
       last_result_ = std::max(last_result_, drained);
       order_.add(drained, {j, chosen, drained - accepted});
     }
@@ -165,6 +168,7 @@ class schedule final : public job_schedule {
         if (drained > end) return;  // offered, and taken later
         result_valid_cycles_ += drained - turn_cycle_ + 1;
         core.full_cycles += drained - core.buffered;
+        results_.count(drained - core.buffered);
         last_result_ = std::max(last_result_, drained);
         order_.add(drained, {core.job, turn_, drained - accepted_[core.job]});
         --outstanding_;
@@ -183,7 +187,7 @@ class schedule final : public job_schedule {
 
   void leave(cycle c, const leaving_order::result& r) {
     const walked_ray& ray = walked_.rays[r.job];
-    traversal_result t;
+    typename Way::result_type t;
     t.job_word = ray.job_word;
     t.cost = ray.cost;
     t.hit = ray.hit;
@@ -212,13 +216,13 @@ class schedule final : public job_schedule {
     waits.conversion_cycles = jobs * stages;
     for (const auto& core : cores_) {
       waits.buffer_cycles += core.waited_cycles;
-      waits.result_cycles += core.full_cycles;
     }
     const auto channel = [&](std::string name, std::uint64_t transfers, std::uint64_t valid, std::uint64_t ready) {
       figures_.channels.emplace_back(std::move(name),
                                      channel_stats{transfers, ready - transfers, valid - transfers, end + transfers - valid - ready});
     };
-    channel("pending_job", jobs, pending_valid_cycles_, policy_.ready_cycles(end, core_view{*this}));
+    waits.result_cycles = results_.wait_cycles;
+    channel("pending_job", jobs, jobs + dispatches_.wait_cycles, policy_.ready_cycles(end, core_view{*this}));
     for (unsigned i = 0; i < cores_.size(); ++i) {
       core_schedule& core = cores_[i];
       core.idle_cycles += cycles_from(core.free_from, 0, end);
@@ -229,7 +233,7 @@ class schedule final : public job_schedule {
     channel("job", jobs, source_.valid_cycles(), end - stages_.stalled());
     channel("result", jobs, result_valid_cycles_, sink_ ? sink_->count(0, end) : end);
 
-    figures_.bank = way_.figures(jobs_, cores_);
+    figures_.units = way_.figures(jobs_, dispatches_, cores_, results_);
   }
 
   cycle watchdog_;
@@ -237,6 +241,8 @@ class schedule final : public job_schedule {
   const walked_rays& walked_;
   const result_handler& handler_;
   job_manager::stats jobs_;
+  scheduler_stats dispatches_;
+  result_manager_stats results_;
   std::vector<core_schedule> cores_;
   divisor by_cores_;
   Way way_;
@@ -249,7 +255,6 @@ class schedule final : public job_schedule {
   std::uint32_t next_job_ = 0;
   cycle last_dispatch_ = never;
   cycle last_result_ = 0;
-  std::uint64_t pending_valid_cycles_ = 0;
   std::uint64_t result_valid_cycles_ = 0;
   // Where drains are followed in time.
   unsigned turn_ = 0;  // the select in `turn_cycle_`

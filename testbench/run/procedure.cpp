@@ -21,22 +21,22 @@ nlohmann::ordered_json inputs_of(const run_setup& s, const loaded_model& model, 
 }
 
 sent_jobs jobs_of(const run_setup& s, const loaded_model& model, const std::filesystem::path& file, unsigned threads, bool pictured) {
-  return file.empty() ? model.jobs(s.unit, s.what, threads, pictured) : model.jobs(read_jobs(file));
+  return file.empty() ? model.jobs(s.hardware, s.what, threads, pictured) : model.jobs(read_jobs(file));
 }
 
 }  // namespace
 
-run_pace quickest_pace(const run_setup& s) { return replay_obstacle(s.unit, s.bench).empty() ? run_pace::replay : run_pace::skipping; }
+run_pace quickest_pace(const run_setup& s) { return replay_obstacle(s.hardware, s.bench).empty() ? run_pace::replay : run_pace::skipping; }
 
 run_inputs::run_inputs(run_setup& s, const std::filesystem::path& job_file, unsigned threads, bool pictured)
-    : model(s.host().load(s.unit, s.what)) {
-  model->settle(s.unit);
+    : model(s.host().load(s.hardware, s.what)) {
+  model->settle(s.hardware);
   sent = jobs_of(s, *model, job_file, threads, pictured);
   record = inputs_of(s, *model, sent.packets);
 }
 
 void run_inputs::walk(const run_setup& s, unsigned threads) {
-  if (quickest_pace(s) == run_pace::replay) walked.emplace(walk_rays(*model->walker(s.unit), sent.packets, threads));
+  if (quickest_pace(s) == run_pace::replay) walked.emplace(walk_rays(*model->walker(s.hardware), sent.packets, threads));
 }
 
 traced_run trace(const run_setup& s, const run_inputs& inputs, const run_manner& manner) {
@@ -47,12 +47,12 @@ traced_run trace(const run_setup& s, const run_inputs& inputs, const run_manner&
   if (manner.pace == run_pace::replay) {
     if (manner.window)
       throw input_error("--vcd", "--pace replay, which has no signals", "--pace skipping, which is quick outside the window");
-    check_replayable(s.unit, s.bench);
-    const auto walk = inputs.model->walker(s.unit);
-    run.figures = inputs.walked ? replay(s.unit, s.bench, *walk, *inputs.walked, manner.each)
-                                : replay(s.unit, s.bench, *walk, jobs, manner.threads, manner.each);
+    check_replayable(s.hardware, s.bench);
+    const auto walk = inputs.model->walker(s.hardware);
+    run.figures = inputs.walked ? replay(s.hardware, s.bench, *walk, *inputs.walked, manner.each)
+                                : replay(s.hardware, s.bench, *walk, jobs, manner.threads, manner.each);
   } else {
-    simulation sim(s.unit, s.bench, inputs.model->memories(), jobs, static_cast<pace>(manner.pace), manner.window);
+    simulation sim(s.hardware, s.bench, inputs.model->memories(), jobs, static_cast<pace>(manner.pace), manner.window);
     if (manner.each) sim.board().on_result(manner.each);
     if (manner.progress) sim.clock().set_progress([&] { manner.progress(sim.board().figures().rays); });
     sim.run();

@@ -10,16 +10,16 @@ run_pictures::run_pictures(const run_setup& s, const loaded_model& model, const 
     : setup_(s),
       model_(model),
       jobs_(jobs),
-      surfaces_(model.surfaces(s.unit)),
-      picture_(s.what.picture, s.unit.kind().fraction_bits(), surfaces_ != nullptr) {
+      picture_(s.what.picture, s.hardware.kind().fraction_bits(), model.has_surfaces()),
+      keep_(model.keeper(s.hardware, jobs, picture_)) {
   if (from_driver) picture_.leave_out_all_but(jobs);
 }
 
 void run_pictures::finish(const run_figures& figures, bool places) {
   picture_.set_way(figures.results.way_cycles());
-  if (places) picture_.set_places(model_.places(setup_.unit, jobs_, picture_));
+  if (places) picture_.set_places(model_.places(setup_.hardware, jobs_, picture_));
 
-  const rtu_params& rtu = setup_.unit.rtu;
+  const rtu_params& rtu = setup_.hardware.rtu;
   const std::string name = std::filesystem::path(setup_.what.model.model).filename().string();
   const std::uint64_t cycles = figures.results.total_cycles();
   text_ = {fmt::format("{}, {}", name, model_.size_text()),

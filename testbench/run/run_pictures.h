@@ -19,12 +19,7 @@ class run_pictures {
   /// misses.
   run_pictures(const run_setup& s, const loaded_model& model, const std::vector<job_packet>& jobs, bool from_driver);
 
-  void store(const traversal_result& r, std::uint64_t latency_cycles) {
-    if (surfaces_)
-      picture_.store(r, latency_cycles, surfaces_(jobs_[r.sequence], r));
-    else
-      picture_.store(r, latency_cycles);
-  }
+  void store(const traversal_result& r, std::uint64_t latency_cycles) { keep_(r, latency_cycles); }
   const frame& picture() const { return picture_; }
 
   /// The run is over. `places`: one of the pictures shows where rays met the model.
@@ -36,8 +31,8 @@ class run_pictures {
   const run_setup& setup_;
   const loaded_model& model_;
   const std::vector<job_packet>& jobs_;
-  loaded_model::surface_finder surfaces_;
   frame picture_;
+  loaded_model::result_keeper keep_;
   picture_text text_;
 };
 

@@ -19,8 +19,8 @@ void check_is_no_model(const std::filesystem::path& file, const char* expected) 
 }  // namespace
 
 run_parameters::run_parameters() {
-  unit.describe(parameters);
-  hosts.describe(parameters, unit);
+  hardware.describe(parameters);
+  hosts.describe(parameters, hardware);
   bench.describe(parameters);
   what.describe(parameters);
 }
@@ -33,7 +33,7 @@ run_setup::run_setup(const run_sources& from) {
   check_is_no_model(from.scene, "a scene file (TOML)");
   check_is_no_model(from.architecture, "an architecture file (TOML)");
   if (!from.architecture.empty()) parameters.read_toml(from.architecture, design::home);
-  const auto core = unit.rtu.core;
+  const auto core = hardware.rtu.core;
   if (!from.scene.empty()) {
     parameters.read_toml(from.scene, scene::home);
     start_files_at(from.scene.parent_path());  // and those of the command line here
@@ -43,11 +43,11 @@ run_setup::run_setup(const run_sources& from) {
   if (!from.model.empty() && !has_patches(from.model)) parameters.forget("scene.patch_quads");
   for (const std::string& a : from.assignments) parameters.set(a);
   if (!from.model.empty()) what.model.model = from.model.string();
-  if (unit.rtu.core != core && parameters.leaves_unread(from.architecture)) {
+  if (hardware.rtu.core != core && parameters.leaves_unread(from.architecture)) {
     const auto word = [words = core_words()](unsigned kind) { return words[kind]; };
     throw input_error(
-        "--set", fmt::format("rtu.core = {} for {}, a design of {} cores", word(unit.rtu.core), from.architecture.string(), word(core)),
-        fmt::format("--arch with one of {} cores, as those in testbench/architectures", word(unit.rtu.core)));
+        "--set", fmt::format("rtu.core = {} for {}, a design of {} cores", word(hardware.rtu.core), from.architecture.string(), word(core)),
+        fmt::format("--arch with one of {} cores, as those in testbench/architectures", word(hardware.rtu.core)));
   }
   check();
 }

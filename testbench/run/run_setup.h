@@ -24,7 +24,7 @@ struct run_sources {
 
 /// All that describes a run, and the schema over it: every parameter that there is.
 struct run_parameters {
-  design unit;
+  design hardware;
   host_kinds hosts;
   surroundings bench;
   scene what;
@@ -32,7 +32,7 @@ struct run_parameters {
 
   run_parameters();
   /// The host's side of the cores.
-  const host_kind& host() const { return hosts.of(unit); }
+  const host_kind& host() const { return hosts.of(hardware); }
   run_parameters(const run_parameters&) = delete;
   run_parameters& operator=(const run_parameters&) = delete;
 };

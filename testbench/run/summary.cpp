@@ -114,15 +114,15 @@ std::string summary_text(const run_record& record) {
   for (unsigned i = 0; i < cores; ++i)
     if (cores <= 16 || i < 4 || i + 4 >= cores) core_line("core_" + std::to_string(i), s["core_" + std::to_string(i)]);
   if (cores_of_kind.contains("fill"))
-    line("{:>27} {:5.1f}% of the cores' walking clocks issue a triangle", "fill", 100 * cores_of_kind["fill"].get<double>());
+    line("{:>27} {:5.1f}% of the cores' walking cycles issue a triangle", "fill", 100 * cores_of_kind["fill"].get<double>());
   line("");
 
-  line("channels, share of all cycles:  transferred  starved  held back   idle");
+  line("channels, share of all cycles:  transferred  starved  back-pressured   idle");
   for (const char* name : {"job", "pending_job", "result"}) {
     const json& c = s["channels"][name];
     const double all = all_cycles(c);
-    line("{:>30} {:11.1f}% {:7.1f}% {:9.1f}% {:5.1f}%", name, share(c["transferred"], all), share(c["starved"], all),
-         share(c["held_back"], all), share(c["idle"], all));
+    line("{:>30} {:11.1f}% {:7.1f}% {:14.1f}% {:5.1f}%", name, share(c["transferred"], all), share(c["starved"], all),
+         share(c["back_pressured"], all), share(c["idle"], all));
   }
   line("");
 

@@ -16,7 +16,7 @@ namespace rtusim {
 /// What is kept of a run: a versioned JSON file. All but `simulator` depends on the inputs alone. The file names its inputs from its own
 /// folder, so that it does not depend on where it was written from; here they are named from the current directory.
 struct run_record {
-  static constexpr int version = 2;
+  static constexpr int version = 3;
 
   nlohmann::ordered_json inputs;
   nlohmann::ordered_json parameters;

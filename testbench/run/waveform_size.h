@@ -9,7 +9,7 @@
 
 namespace rtusim {
 
-/// About how many bytes the waveform of a window will have, from the clocks that cores work on a sample of the jobs: within a factor of
+/// About how many bytes the waveform of a window will have, from the cycles that cores work on a sample of the jobs: within a factor of
 /// two. 0 for one that is small whatever the jobs are.
 std::uint64_t estimated_bytes(const waveform_window& window, const run_setup& s, const loaded_model& model,
                               const std::vector<job_packet>& jobs);

@@ -55,7 +55,7 @@ void bench_svo_core(const design& d, const unit_files& files) {
 
   std::vector<std::vector<std::int64_t>> results;
   if (!jobs.empty()) {
-    bench<traversal_job, traversal_result> b(jobs);
+    bench<traversal_job, voxel_result> b(jobs);
     memory words("memory", kind.memory_, image.words);
     svo_core core("svo_core", params, 0);
     core.job_in(b.in);
@@ -63,7 +63,7 @@ void bench_svo_core(const design& d, const unit_files& files) {
     core.memory_port(words);
     b.clock.start();
     for (std::size_t row = 0; row < jobs.size(); ++row) {
-      const traversal_result& r = b.left.payloads[row];
+      const voxel_result& r = b.left.payloads[row];
       RTU_CHECK(r.sequence, ==, jobs[row].sequence);
       const auto states = static_cast<std::int64_t>(b.left.cycles[row] - b.entered.cycles[row]);
       results.push_back({r.hit, r.hit ? r.t_hit : 0, r.hit ? r.normal_axis : no_axis, r.cost, states, r.t_hit, r.normal_axis});

@@ -10,12 +10,12 @@
 
 namespace rtusim {
 
-/// A select turns by one every clock; a job goes where it points if that core is ready (Espe 2019, sec. 6.2.2 and app. C.3). With one
+/// A select turns by one every cycle; a job goes where it points if that core is ready (Espe 2019, sec. 6.2.2 and app. C.3). With one
 /// core it has nowhere to turn to.
 class cyclic_first_available {
  public:
   static constexpr std::string_view name = "cyclic_first_available";
-  static constexpr std::string_view meaning = "a select that turns every clock";
+  static constexpr std::string_view meaning = "a select that turns every cycle";
 
   explicit cyclic_first_available(unsigned cores) : ready_(cores), shown_(cores) {}
 

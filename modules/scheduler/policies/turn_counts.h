@@ -8,7 +8,7 @@
 
 namespace rtusim {
 
-/// In how many cycles a select that turns by one every clock pointed at each of N lines, over many intervals. An interval costs the same
+/// In how many cycles a select that turns by one every cycle pointed at each of N lines, over many intervals. An interval costs the same
 /// whatever its length.
 class turn_counts {
  public:

@@ -1,20 +1,19 @@
 #include "testbench/tests/probe_core/probe_core.h"
 
 #include "modules/config/error.h"
+#include "modules/core_bank/figures_of_bank.h"
+#include "modules/core_bank/typed_bank.h"
 #include "modules/timing/clock_domain.h"
 #include "modules/timing/waveform.h"
 
 namespace rtusim::test {
 namespace {
 
-class probe_bank final : public typed_bank<traversal_job, job_manager, probe_core> {
+class probe_bank final : public typed_bank<job_manager, probe_core> {
  public:
   probe_bank(const probe_kind& kind, const bank_params& p)
-      : typed_bank(kind.word(), kind.jobs, p,
+      : typed_bank(kind.jobs, p,
                    [core = kind.core](const char* n, std::size_t i) { return new probe_core(n, core, static_cast<unsigned>(i)); }) {}
-
-  unsigned job_latency_cycles() const override { return job_manager::latency_cycles; }
-  unsigned core_latency_cycles() const override { return 1; }
 };
 
 }  // namespace
@@ -66,14 +65,23 @@ void probe_core::settle_registers() {
 
 bool probe_core::level(const channel_base& port) const { return shown_state_ == (&port == job_in.operator->() ? state::idle : state::out); }
 
+std::optional<unit_timing> probe_core::timing() const {
+  unit_timing t;
+  t.latency_cycles = 1;
+  t.interval_cycles = 2;
+  t.beside_cost = true;
+  t.capacity = 1;
+  return t;
+}
+
 probe_core::stats probe_core::statistics() {
   stats s;
   s.jobs = jobs_;
   s.hits = hits_;
   const channel_stats in = job_in->stats(), out = result_out->stats();
   s.idle_cycles = in.transferred + in.starved;
-  s.out_cycles = out.transferred + out.held_back;
-  s.walk_cycles = in.held_back + in.idle - s.out_cycles;
+  s.out_cycles = out.transferred + out.back_pressured;
+  s.walk_cycles = in.back_pressured + in.idle - s.out_cycles;
   return s;
 }
 
@@ -107,11 +115,11 @@ void probe_kind::describe_units(config::schema& s, const readers& r) {
   s.read_when({"probe_core"}, r.is_chosen, "rtu.core = probe");
 }
 
-std::unique_ptr<bank_figures> probe_kind::no_figures() const {
-  auto figures = std::make_unique<probe_figures>(name);
-  figures->cores.resize(1);
-  return figures;
+std::vector<named_figures> probe_kind::blank_figures() const {
+  return figures_of_bank(job_manager::stats{}, {}, std::vector<probe_core::stats>(1), {});
 }
+
+std::unique_ptr<memory_contents> probe_kind::blank_contents() const { return std::make_unique<probe_contents>(); }
 
 std::unique_ptr<core_bank> probe_kind::build(const bank_params& p, const memory_contents&) const {
   return std::make_unique<probe_bank>(*this, p);

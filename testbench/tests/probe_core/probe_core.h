@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "modules/core_bank/core_kind.h"
 #include "modules/formats/packets.h"
@@ -27,7 +29,11 @@ struct probe_params {
 class probe_core final : public unit {
  public:
   using params = probe_params;
+  using job_type = traversal_job;
+  using result_type = traversal_result;
   struct stats {
+    static constexpr std::string_view sum_name = "probe_core";
+
     std::uint64_t jobs = 0, hits = 0;
     std::uint64_t idle_cycles = 0, walk_cycles = 0, out_cycles = 0;
 
@@ -40,7 +46,9 @@ class probe_core final : public unit {
 
   probe_core(const sc_core::sc_module_name& name, const params& p, unsigned index);
 
+  std::optional<unit_timing> timing() const override;
   stats statistics();
+  std::unique_ptr<unit_figures> figures() override { return as_figures(statistics()); }
 
  private:
   enum class state : std::uint8_t { idle, walk, out };
@@ -69,8 +77,6 @@ probe_outcome probe(const traversal_job& job);
 /// Nothing lies in its memories.
 class probe_contents final : public memory_contents {};
 
-using probe_figures = figures_of<job_manager::stats, probe_core::stats>;
-
 class probe_kind final : public core_kind {
  public:
   static constexpr std::string_view name = "probe";
@@ -85,7 +91,8 @@ class probe_kind final : public core_kind {
   packet_widths packets() const override { return {jobs.format.width()}; }
   unsigned fraction_bits() const override { return jobs.format.fraction_bits; }
   std::string replay_obstacle() const override { return {}; }
-  std::unique_ptr<bank_figures> no_figures() const override;
+  std::vector<named_figures> blank_figures() const override;
+  std::unique_ptr<memory_contents> blank_contents() const override;
   std::unique_ptr<core_bank> build(const bank_params& p, const memory_contents& contents) const override;
 };
 

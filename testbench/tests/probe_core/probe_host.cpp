@@ -5,6 +5,7 @@
 
 #include "modules/config/csv.h"
 #include "modules/config/error.h"
+#include "modules/core_bank/figures_of_bank.h"
 #include "testbench/kinds/driver.h"
 #include "testbench/replay/schedule.h"
 #include "testbench/units/unit_harness.h"
@@ -15,18 +16,18 @@ namespace {
 /// What a schedule has to know of the cores.
 class probe_way {
  public:
+  using result_type = traversal_result;
   static constexpr unsigned job_latency_cycles = job_manager::latency_cycles;
 
   explicit probe_way(const design&) {}
 
   void show(unsigned, const walked_ray& ray, traversal_result& r) { r.t_hit = ray.hit ? ray.t_hit : 0; }
   void check(const walked_ray&, unsigned, std::uint32_t, cycle) const {}
-  std::shared_ptr<const bank_figures> figures(const job_manager::stats& jobs, const std::vector<replaying::core_schedule>& cores) const {
-    auto all = std::make_shared<probe_figures>(probe_kind::name);
-    all->jobs = jobs;
-    for (const auto& core : cores)
-      all->cores.push_back({core.jobs, core.hits, core.idle_cycles, core.cost, core.jobs + core.waited_cycles});
-    return all;
+  std::vector<named_figures> figures(const job_manager::stats& jobs, const scheduler_stats& dispatches,
+                                     const std::vector<replaying::core_schedule>& cores, const result_manager_stats& results) const {
+    std::vector<probe_core::stats> all;
+    for (const auto& core : cores) all.push_back({core.jobs, core.hits, core.idle_cycles, core.cost, core.jobs + core.waited_cycles});
+    return figures_of_bank(jobs, dispatches, all, results);
   }
 };
 
@@ -59,6 +60,9 @@ class probe_model final : public loaded_model {
     return jobs.size() * d.of<probe_kind>().core.latency_cycles;
   }
   std::unique_ptr<ray_walker> walker(const design& d) const override { return std::make_unique<probe_walker>(d.of<probe_kind>()); }
+  result_keeper keeper(const design&, const std::vector<job_packet>&, frame& picture) const override {
+    return [&picture](const traversal_result& r, std::uint64_t latency_cycles) { picture.store(r, latency_cycles); };
+  }
   frame::places places(const design&, const std::vector<job_packet>& jobs, const frame& picture) const override {
     frame::places where;
     where.points = points_of(jobs, picture, [](const job_packet& job, double distance) { return point_on_ray(job, distance); });

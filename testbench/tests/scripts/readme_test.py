@@ -1,4 +1,5 @@
-"""Holds README.md to the program: what it names exists, and it names every command and option.
+"""Holds README.md and the pages that it leads to to the program: what they name exists, and together they name every command and option.
+The page of all parameters and figures is what the program prints.
 
 Usage: readme_test.py RTUSIM SOURCE
 
@@ -12,6 +13,8 @@ import sys
 from pathlib import Path
 
 program, source = sys.argv[1], Path(sys.argv[2])
+PAGES = ("README.md", "scenes/README.md", "testbench/pictures/README.md", "testbench/sweeps/README.md", "waveforms/README.md")
+REFERENCE = "testbench/commands/REFERENCE.md"
 TOP = ("cmake", "modules", "scenes", "scripts", "testbench", "waveforms")
 OPTION = re.compile(r"-(?:[a-z]|-[a-z][a-z-]*)$")
 faults = []
@@ -57,7 +60,7 @@ def check_keys(words, where):
             faults.append(f"{where}: --set {key}: no such key")
 
 
-def check_code(text):
+def check_code(page, text):
     """The options that are told of each command."""
     seen = {command: set() for command in COMMANDS}
     for block in re.split(r"\n\s*\n", text):
@@ -65,7 +68,7 @@ def check_code(text):
         about = {command for _, command, _, _ in codes if command}
         for code, command, of_program, words in codes:
             options = {word.partition("=")[0] for word in words if OPTION.match(word.partition("=")[0])}
-            where = f"README.md: {code.strip()}"
+            where = f"{page}: {code.strip()}"
             check_keys(words, where)
             if command:
                 seen[command] |= {command} | options
@@ -85,21 +88,29 @@ def check_code(text):
     return seen
 
 
-def check_paths(text):
+def check_paths(page, text):
     links = re.findall(r"\]\(([^)#:]+)\)", text)
     words = [word.strip("[](),;:") for block in re.split(r"\n\s*\n", text) for code in codes_of(block) for word in code.split()]
-    paths = links + [word for word in words if "/" in word and word.split("/")[0] in TOP]
-    faults.extend(f"README.md: {path}: no such file" for path in sorted(set(paths)) if not (source / path.rstrip(".")).exists())
-    return len(set(paths))
+    paths = {(source / page).parent / link for link in links}
+    paths |= {source / word.rstrip(".") for word in words if "/" in word and word.split("/")[0] in TOP}
+    faults.extend(f"{page}: {path}: no such file" for path in sorted(paths) if not path.exists())
+    return len(paths)
 
 
-readme = (source / "README.md").read_text()
-seen = check_code(readme)
-paths = check_paths(readme)
+seen, paths = {command: set() for command in COMMANDS}, 0
+for page in PAGES:
+    text = (source / page).read_text()
+    for command, options in check_code(page, text).items():
+        seen[command] |= options
+    paths += check_paths(page, text)
+    if page != "README.md" and f"]({page})" not in (source / "README.md").read_text():
+        faults.append(f"README.md: does not lead to {page}")
 for command in COMMANDS:
     if command not in seen[command]:
         faults.append(f"README.md: no word of rtusim {command}")
-    faults.extend(f"README.md: no word of rtusim {command} {o}" for o in sorted(OPTIONS[command] - seen[command] - {"-h", "--help"}))
+    faults.extend(f"{', '.join(PAGES)}: no word of rtusim {command} {o}" for o in sorted(OPTIONS[command] - seen[command] - {"-h", "--help"}))
+if (source / REFERENCE).read_text() != told("explain", "--markdown").stdout:
+    faults.append(f"{REFERENCE}: not what `rtusim explain --markdown` prints; expected it to be written anew")
 if len(COMMANDS) < 8 or paths < 20:
     faults.append(f"{len(COMMANDS)} commands and {paths} paths; expected more, so they are not found here as they are written")
 print("\n".join(faults) or f"{sum(len(seen[c] & OPTIONS[c]) for c in COMMANDS)} options of {len(COMMANDS)} commands, {paths} paths")

@@ -1,4 +1,5 @@
-"""Looks for folders of modules/ with an sc_module and without a test in the folder of that name below testbench/tests/modules.
+"""Looks for folders of modules/ with an sc_module and without a test in the folder of that name below testbench/tests/modules, and for units
+that contract_test.cpp does not know.
 
 Usage: units_test.py SOURCE
 """
@@ -17,17 +18,22 @@ for path in sorted((source / "modules").rglob("*.h")):
         classes[name] = path.parent.name, re.findall(r"\w+", bases)
 
 
-def is_module(name):
-    return name == "sc_module" or (name in classes and any(is_module(base) for base in classes[name][1] if base != name))
+def comes_from(name, base):
+    return name == base or (name in classes and any(comes_from(above, base) for above in classes[name][1] if above != name))
 
 
-units = {name: folder for name, (folder, _) in classes.items() if is_module(name)}
+units = {name: folder for name, (folder, _) in classes.items() if comes_from(name, "sc_module")}
 tests = source / "testbench/tests/modules"
 faults = []
 for folder in sorted(set(units.values())):
     if not any((tests / folder).glob("*_test.cpp")):
         names = ", ".join(sorted(name for name in units if units[name] == folder))
         faults.append(f"modules/{folder}: {names} without a test in testbench/tests/modules/{folder}")
+contract = (tests / "contract_test.cpp").read_text()
+for name in sorted(units):
+    is_base = any(name in bases for _, bases in classes.values())
+    if comes_from(name, "unit") and not is_base and not re.search(rf"\b{name}\b", contract):
+        faults.append(f"{name}: not in testbench/tests/modules/contract_test.cpp")
 if len(units) < 8:
     faults.append(f"{len(units)} units; expected more, so they are not found here as they are written")
 print("\n".join(faults) or f"{len(units)} units in {len(set(units.values()))} folders, each with a test")

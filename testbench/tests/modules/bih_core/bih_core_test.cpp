@@ -63,7 +63,7 @@ struct core_with_intersector {
   bih_core core;
 
   core_with_intersector(const bih_core_params& p, const bih_memory& memory, numeric::divider_kind divider, channel<triangle_job>& in,
-                        channel<traversal_result>& out)
+                        channel<mesh_result>& out)
       : pipeline("triangle_pipeline", {test::triangles_as_built, {}, divider}, memory.triangles), core("bih_core", p, memory, 0) {
     core.job_in(in);
     core.result_out(out);
@@ -130,7 +130,7 @@ TEST_CASE("bih_core: a frame's rays back to back, their hits in order behind the
   REQUIRE(picture.size() == 64 * 48);
   REQUIRE(std::count(picture.begin(), picture.end(), '\xff') == 570);
 
-  bench<triangle_job, traversal_result> b(jobs);
+  bench<triangle_job, mesh_result> b(jobs);
   core_with_intersector unit(test::bih_as_built(), memory, pipelined, b.in, b.out);
   b.clock.start();
   const auto &entered = b.entered.cycles, &left = b.left.cycles;
@@ -142,7 +142,7 @@ TEST_CASE("bih_core: a frame's rays back to back, their hits in order behind the
     const auto clocks = static_cast<cycle>(frame.number(ray, frame.column("clocks"), 0, any_word));
     if (ray + 1 < jobs.size()) REQUIRE(entered[ray + 1] - entered[ray] == clocks);
     REQUIRE(left[ray] - entered[ray] == clocks + bih_result_latency_cycles + 1);
-    const traversal_result& r = b.left.payloads[ray];
+    const mesh_result& r = b.left.payloads[ray];
     REQUIRE(r.sequence == ray);
     REQUIRE(r.cost == clocks);
     const pair_outcome* nearest = nullptr;
@@ -166,7 +166,7 @@ TEST_CASE("bih_core: a frame's rays back to back, their hits in order behind the
   CHECK(static_cast<double>(stats.triangles.pairs) / 120'918 == Approx(0.3918).margin(0.00005));
 }
 
-TEST_CASE("bih_core: a waveform shows the traces clock by clock, signal for signal", "[bih_core]") {
+TEST_CASE("bih_core: a waveform shows the traces cycle by cycle, signal for signal", "[bih_core]") {
   const test::scratch_folder folder;
   for (const std::string scene : {"tetra_k1", "cube_k2", "cubepot_k4"}) {
     CAPTURE(scene);
@@ -175,7 +175,7 @@ TEST_CASE("bih_core: a waveform shows the traces clock by clock, signal for sign
     const auto jobs = golden_jobs(csv_table(golden + "bih_" + scene + "_400.csv.gz"), rays, "ray");
     const bih_memory memory = read_bih(golden + "scenes/" + scene, 10);
     const std::string message = in_child([&] {
-      bench<triangle_job, traversal_result> b(jobs);
+      bench<triangle_job, mesh_result> b(jobs);
       core_with_intersector unit(test::bih_as_built(), memory, pipelined, b.in, b.out);
       waveform w(folder / (scene + ".vcd"), core_widths);
       b.clock.record(w, 0, never);
@@ -210,7 +210,7 @@ TEST_CASE("bih_core: a waveform shows the traces clock by clock, signal for sign
   }
 }
 
-TEST_CASE("bih_core: with rays now and then a waveform shows what the machine does clock by clock", "[bih_core]") {
+TEST_CASE("bih_core: with rays now and then a waveform shows what the machine does cycle by cycle", "[bih_core]") {
   const test::scratch_folder folder;
   const bih_memory memory = read_bih(golden + "scenes/cube_k2", 10);
   const auto jobs = golden_jobs(csv_table(golden + "bih_cube_k2_400.csv.gz"), 60, "ray");
@@ -223,9 +223,9 @@ TEST_CASE("bih_core: with rays now and then a waveform shows what the machine do
         source_p.valid = source_params::regime::gap;
         source_p.gap_cycles = gap;
         stream_source<triangle_job> source("source", source_p, jobs);
-        stream_sink<traversal_result> sink("sink", {}, jobs.size());
+        stream_sink<mesh_result> sink("sink", {}, jobs.size());
         channel<triangle_job> in("in");
-        channel<traversal_result> out("out");
+        channel<mesh_result> out("out");
         source.out(in);
         sink.in(out);
         core_with_intersector unit(test::bih_as_built(), memory, divider, in, out);

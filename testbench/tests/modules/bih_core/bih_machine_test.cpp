@@ -84,7 +84,7 @@ quantised_ray along_x() {
 
 }  // namespace
 
-TEST_CASE("bih_machine: the traces clock by clock, signal for signal", "[bih_core]") {
+TEST_CASE("bih_machine: the traces cycle by cycle, signal for signal", "[bih_core]") {
   for (const std::string scene : {"tetra_k1", "cube_k2", "cubepot_k4"}) {
     const bih_memory memory = read_bih(golden + "scenes/" + scene, 10);
     const csv_table rays(golden + "bih_" + scene + "_400.csv.gz");
@@ -332,7 +332,7 @@ TEST_CASE("bih_core: a stack of 31 entries", "[bih_core]") {
         "bih_core_3: ray 17 pushes an entry on a stack that holds 31: the hierarchy needs fewer levels");
 }
 
-TEST_CASE("bih_core: a leaf of 0 triangles takes one clock in LEAF", "[bih_core]") {
+TEST_CASE("bih_core: a leaf of 0 triangles takes one cycle in LEAF", "[bih_core]") {
   bih_memory memory = ladder(1, true);
   memory.words[1][1] = 0;
   bih_core_params p;

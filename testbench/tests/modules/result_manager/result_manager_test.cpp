@@ -11,6 +11,7 @@
 
 #include <fmt/format.h>
 
+#include "modules/formats/packets.h"
 #include "testbench/bench/stream.h"
 #include "testbench/tests/in_child.h"
 
@@ -26,7 +27,7 @@ struct ends {
 
 struct observer {
   std::vector<std::string>* log;
-  void transferred(unsigned which, cycle c, const traversal_result& r) {
+  void transferred(unsigned which, cycle c, const voxel_result& r) {
     auto& lines = *log;
     if (c >= lines.size()) lines.resize(c + 1);
     // Of one cycle in the order of the cores, the output last.
@@ -50,11 +51,11 @@ std::string text_of(const std::vector<std::string>& log) {
 }
 
 /// Core i's result k has the sequence 100 i + k.
-std::vector<std::vector<traversal_result>> results_of(const ends& e) {
-  std::vector<std::vector<traversal_result>> all(e.cores.size());
+std::vector<std::vector<voxel_result>> results_of(const ends& e) {
+  std::vector<std::vector<voxel_result>> all(e.cores.size());
   for (std::uint32_t i = 0; i < all.size(); ++i)
     for (std::uint32_t k = 0; k < e.results; ++k) {
-      traversal_result r;
+      voxel_result r;
       r.sequence = 100 * i + k;
       all[i].push_back(r);
     }
@@ -66,17 +67,17 @@ std::string simulated(const ends& e, bool valid_withdrawn, pace p) {
     clock_domain clock("clock_domain", 100);
     const auto items = results_of(e);
     const auto count = static_cast<unsigned>(items.size());
-    std::vector<std::unique_ptr<stream_source<traversal_result>>> sources;
-    std::vector<std::unique_ptr<channel<traversal_result>>> inputs;
+    std::vector<std::unique_ptr<stream_source<voxel_result>>> sources;
+    std::vector<std::unique_ptr<channel<voxel_result>>> inputs;
     for (unsigned i = 0; i < count; ++i) {
-      sources.push_back(std::make_unique<stream_source<traversal_result>>(fmt::format("source_{}", i).c_str(), e.cores[i], items[i]));
-      inputs.push_back(std::make_unique<channel<traversal_result>>(fmt::format("input_{}", i).c_str()));
+      sources.push_back(std::make_unique<stream_source<voxel_result>>(fmt::format("source_{}", i).c_str(), e.cores[i], items[i]));
+      inputs.push_back(std::make_unique<channel<voxel_result>>(fmt::format("input_{}", i).c_str()));
     }
-    result_manager::params params;
+    result_manager_params params;
     params.valid_withdrawn = valid_withdrawn;
-    result_manager manager("result_manager", params, count);
-    stream_sink<traversal_result> sink("sink", e.sink, std::uint64_t{count} * e.results);
-    channel<traversal_result> output("output");
+    result_manager<voxel_result> manager("result_manager", params, count);
+    stream_sink<voxel_result> sink("sink", e.sink, std::uint64_t{count} * e.results);
+    channel<voxel_result> output("output");
     std::vector<std::string> log;
     observer seen{&log};
     for (unsigned i = 0; i < count; ++i) {

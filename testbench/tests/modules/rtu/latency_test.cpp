@@ -46,7 +46,8 @@ steps steps_of(const design& d, const memory_contents& model, const job_packet& 
   shown = in_child([&] {
     simulation sim(d, s, model, jobs, pace::skipping, window);
     sim.run();
-    return fmt::format("{} {}", sim.unit().bank().job_latency_cycles(), sim.unit().bank().core_latency_cycles());
+    return fmt::format("{} {}", sim.dut().bank().job_timing().latency_cycles,
+                       sim.dut().bank().core_timing().latency_cycles);
   });
   const test::vcd w(folder / "w.vcd");
   const std::uint64_t accepted = only(w, "job"), pending = only(w, "rtu.pending_job"), dispatched = only(w, "rtu.core_job_0"),

@@ -13,6 +13,7 @@
 #include <fmt/format.h>
 
 #include "modules/config/error.h"
+#include "modules/formats/packets.h"
 #include "testbench/bench/stream.h"
 #include "testbench/replay/schedule_parts.h"
 #include "testbench/tests/in_child.h"
@@ -136,7 +137,7 @@ std::string simulated(unsigned policy, const traffic& t, pace p) {
     clock.start();
     const auto count = [&seen](channel_base& c) {
       const channel_stats s = c.stats();
-      seen.counted(c.basename(), s.transferred + s.held_back, s.transferred + s.starved);
+      seen.counted(c.basename(), s.transferred + s.back_pressured, s.transferred + s.starved);
     };
     count(pending);
     for (auto& c : core_job) count(c);

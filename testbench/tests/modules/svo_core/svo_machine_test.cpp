@@ -29,7 +29,7 @@ traversal_job job_of(const csv_table& table, std::size_t row) {
 
 }  // namespace
 
-TEST_CASE("svo_machine: 125 jobs clock by clock, state for state", "[svo_core]") {
+TEST_CASE("svo_machine: 125 jobs cycle by cycle, state for state", "[svo_core]") {
   const svo_image image = read_svo(golden + "models/dragon_32.svo");
   const csv_table jobs(golden + "trace/jobs_dragon_32.csv.gz");
   const csv_table trace(golden + "trace/trace_dragon_32.csv.gz");

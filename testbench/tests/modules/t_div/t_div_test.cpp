@@ -35,7 +35,7 @@ std::vector<division> random_divisions(test::rng& random, unsigned width, std::s
 
 }  // namespace
 
-TEST_CASE("t_div: a quotient in every clock, width clocks later, or one in width clocks", "[t_div]") {
+TEST_CASE("t_div: a quotient in every cycle, width clocks later, or one in width clocks", "[t_div]") {
   const std::vector<division> divisions{{1, 2}, {1, 4}, {-3, 4}};
   const test::pipeline_run ideal;
   CHECK(log_of({8, divider_kind::pipelined}, divisions, ideal) == "0 in \n1 in \n2 in \n8 out 20 false\n9 out 10 false\n10 out b0 true\n");

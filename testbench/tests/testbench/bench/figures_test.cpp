@@ -5,8 +5,11 @@
 #include <cstring>
 #include <map>
 #include <numeric>
+#include <regex>
+#include <set>
 #include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -14,9 +17,11 @@
 
 #include "modules/bih_core/bih_kind.h"
 #include "modules/job_manager/ray_setup.h"
+#include "modules/rtu/core_kinds.h"
 #include "modules/svo_core/svo_kind.h"
 #include "modules/triangle_unit/triangle_intersector.h"
 #include "testbench/bench/simulation.h"
+#include "testbench/kinds/host_kind.h"
 #include "testbench/run/summary.h"
 #include "testbench/tests/in_child.h"
 #include "testbench/tests/random_scene.h"
@@ -168,6 +173,7 @@ json common_figures(const vcd& w, const std::vector<log_line>& log, const std::v
           {{"unsent_rays", 0}, {"replaced_components", 0}, {"duplicate_ids", 0}}}};  // the host sends nothing here: see host_figures_test
   std::vector<std::uint64_t> latencies, costs;
   double dispatch = 0, traversal = 0, buffer = 0, result = 0;
+  std::uint64_t most_result = 0;
   for (const passage& p : rays) {
     latencies.push_back(p.latency());
     costs.push_back(p.result.cost);
@@ -176,7 +182,22 @@ json common_figures(const vcd& w, const std::vector<log_line>& log, const std::v
     traversal += static_cast<double>(walked - p.dispatched);
     buffer += static_cast<double>(p.buffered - walked);
     result += static_cast<double>(p.result.cycle - p.buffered);
+    most_result = std::max(most_result, p.result.cycle - p.buffered);
   }
+  // Cycles in which a job stands at the scheduler and no core takes it.
+  std::uint64_t jobs = 0, waiting = 0, waited = 0, most_waited = 0;
+  for (std::uint64_t c = 0; c < total; ++c) {
+    if (w.value(c, "rtu.pending_job.valid") == 0) continue;
+    if (w.value(c, "rtu.pending_job.ready") == 0) {
+      ++waiting;
+      continue;
+    }
+    ++jobs;
+    waited += waiting;
+    most_waited = std::max(most_waited, std::exchange(waiting, 0));
+  }
+  f["scheduler"] = {{"jobs", jobs}, {"wait", {{"mean", static_cast<double>(waited) / n}, {"most", most_waited}}}};
+  f["result_manager"] = {{"results", rays.size()}, {"wait", {{"mean", result / n}, {"most", most_result}}}};
   f["latency"] = distribution(latencies);
   f["cost"] = distribution(costs);
   f["waits"] = {{"conversion", static_cast<double>(conversion_cycles)},
@@ -191,7 +212,7 @@ json common_figures(const vcd& w, const std::vector<log_line>& log, const std::v
     std::uint64_t counts[2][2] = {};
     for (std::uint64_t c = 0; c < total; ++c) ++counts[w.value(c, channel + ".valid")][w.value(c, channel + ".ready")];
     f["channels"][channel.substr(channel.rfind('.') + 1)] = {
-        {"transferred", counts[1][1]}, {"starved", counts[0][1]}, {"held_back", counts[1][0]}, {"idle", counts[0][0]}};
+        {"transferred", counts[1][1]}, {"starved", counts[0][1]}, {"back_pressured", counts[1][0]}, {"idle", counts[0][0]}};
   }
   return f;
 }
@@ -288,6 +309,8 @@ TEST_CASE("figures: of voxel cores each is what the log and the waveform come to
       all = sum_of(all, core);
     }
     counted["svo_core"] = all;
+    // The address of a descriptor is set at the end of INIT and of POP.
+    counted["memory"] = {{"fetches", all["cycles"]["init"].get<std::uint64_t>() + all["cycles"]["pop"].get<std::uint64_t>()}};
     check_equal(counted, run.statistics);
   }
   for (const std::uint64_t words : lost) CHECK(words > 0);
@@ -398,6 +421,33 @@ TEST_CASE("figures: of triangle cores each is what the log and the waveform come
       seen[at++] += count;
   }
   for (const std::uint64_t count : seen) CHECK(count > 0);
+}
+
+TEST_CASE("figures: `explain` lists those that the units of all kinds report, and no others", "[figures]") {
+  std::set<std::string> reported, listed;
+  const auto enter = [](std::set<std::string>& to, const std::string& key) {
+    static const std::regex core("core_[0-9]+"), channel("^channels\\.[^.]+");
+    if (key.rfind("host.", 0) != 0) to.insert(std::regex_replace(std::regex_replace(key, core, "core_N"), channel, "channels.NAME"));
+  };
+  for (const std::string_view kind : core_words()) {
+    std::istringstream keys(in_child([kind] {
+      design d;
+      d.choose(kind);
+      const auto nothing = d.kind().blank_contents();
+      const std::vector<job_packet> no_jobs;
+      simulation idle(d, {}, *nothing, no_jobs, pace::skipping);
+      sc_core::sc_start(sc_core::SC_ZERO_TIME);
+      config::report report;
+      idle.figures().describe(report);
+      std::string lines;
+      for (const auto& e : report.entries()) lines += e.key + '\n';
+      return lines;
+    }));
+    for (std::string key; std::getline(keys, key);) enter(reported, key);
+  }
+  for (const auto& e : all_figures()) enter(listed, e.key);
+  CHECK(reported == listed);
+  CHECK(listed.size() > 60);
 }
 
 }  // namespace rtusim

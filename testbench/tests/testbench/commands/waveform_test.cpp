@@ -156,9 +156,9 @@ void check_channels(const vcd& w, const nlohmann::json& statistics) {
     for (std::uint64_t c = 0; c < w.end(); ++c) {
       REQUIRE(w.value(c, path + ".transfers") == counted["transferred"]);
       const bool valid = w.value(c, path + ".valid") != 0, ready = w.value(c, path + ".ready") != 0;
-      ++counted[valid && ready ? "transferred" : ready ? "starved" : valid ? "held_back" : "idle"];
+      ++counted[valid && ready ? "transferred" : ready ? "starved" : valid ? "back_pressured" : "idle"];
     }
-    for (const char* kind : {"transferred", "starved", "held_back", "idle"}) {
+    for (const char* kind : {"transferred", "starved", "back_pressured", "idle"}) {
       CAPTURE(kind);
       CHECK(figures[kind] == counted[kind]);
     }
@@ -194,7 +194,7 @@ TEST_CASE("waveform: a window of triangle cores shows what a recording of the wh
   }
 }
 
-TEST_CASE("waveform: the registers of a core are those of the original hardware, clock by clock", "[waveform]") {
+TEST_CASE("waveform: the registers of a core are those of the original hardware, cycle by cycle", "[waveform]") {
   const csv_table table(golden + "trace/jobs_dragon_32.csv.gz");
   const csv_table trace(golden + "trace/trace_dragon_32.csv.gz");
   const auto word = [&](std::size_t row, const char* name) { return table.number(row, table.column(name), -any_word, any_word); };

@@ -165,20 +165,21 @@ real entry(const line& l, const per_axis<std::int64_t>& corner, const quantisati
 }
 
 /// Results by job word.
-std::vector<traversal_result> simulate(const design& d, const bih_memory& memory, const std::vector<job_packet>& jobs, pace p) {
+std::vector<mesh_result> simulate(const design& d, const bih_memory& memory, const std::vector<job_packet>& jobs, pace p) {
   std::istringstream log(in_child([&] {
     const surroundings s;
     simulation sim(d, s, bih_contents(memory), jobs, p);
     std::string text;
-    sim.board().on_result([&](cycle, const traversal_result& r, std::uint64_t) {
+    sim.board().on_result([&](cycle, const traversal_result& any, std::uint64_t) {
+      const auto& r = static_cast<const mesh_result&>(any);
       text += fmt::format("{} {} {} {} {} {}\n", r.job_word, static_cast<int>(r.hit), r.triangle, r.t_hit, r.u, r.v);
     });
     sim.run();
     return text;
   }));
-  std::vector<traversal_result> results(jobs.size());
+  std::vector<mesh_result> results(jobs.size());
   std::size_t count = 0;
-  for (traversal_result r; log >> r.job_word >> r.hit >> r.triangle >> r.t_hit >> r.u >> r.v; ++count) results.at(r.job_word) = r;
+  for (mesh_result r; log >> r.job_word >> r.hit >> r.triangle >> r.t_hit >> r.u >> r.v; ++count) results.at(r.job_word) = r;
   REQUIRE(count == jobs.size());
   return results;
 }
@@ -189,12 +190,12 @@ struct tally {
 };
 
 /// Holds results against the exact test. `lost` counts rays that the hierarchy kept from a triangle that they surely meet.
-void compare(const design& d, const triangle_scene& s, const std::vector<job_packet>& jobs, const std::vector<traversal_result>& results,
+void compare(const design& d, const triangle_scene& s, const std::vector<job_packet>& jobs, const std::vector<mesh_result>& results,
              tally& sums) {
   const quantisation& q = d.of<bih_kind>().words;
   const real one = std::ldexp(real{1}, static_cast<int>(q.m) - 1);
   for (std::size_t j = 0; j < jobs.size(); ++j) {
-    const traversal_result& got = results[j];
+    const mesh_result& got = results[j];
     const line l(jobs[j], q);
     bool meets_box = false;
     const real enter = entry(l, s.memory.corner, q, meets_box);
@@ -402,7 +403,7 @@ TEST_CASE("exact triangles: from between, in, before and behind three walls", "[
     const auto results = simulate(d, s.memory, jobs, how);
     for (std::size_t i = 0; i < results.size(); ++i) {
       const row& r = table[i];
-      const traversal_result& got = results[i];
+      const mesh_result& got = results[i];
       CAPTURE(r.name, static_cast<int>(how), got.u, got.v);
       CHECK(got.hit == (r.triangle >= 0));
       CHECK(got.triangle == static_cast<std::uint32_t>(std::max(r.triangle, 0)));

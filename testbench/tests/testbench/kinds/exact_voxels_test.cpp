@@ -29,7 +29,8 @@ std::uint32_t binary32_bits(std::int64_t word) {
 /// As text, by the jobs' order.
 using results = std::vector<std::string>;
 
-void note(results& all, const traversal_result& r) {
+void note(results& all, const traversal_result& any) {
+  const auto& r = static_cast<const voxel_result&>(any);
   all.at(r.job_word & job_id_mask) = fmt::format("hit {} t {} axis {} sign {}", static_cast<int>(r.hit), r.t_hit,
                                                  static_cast<int>(r.normal_axis), static_cast<int>(r.normal_sign));
 }

@@ -55,8 +55,8 @@ job_packet ray(const vec& origin_units, const vec& direction) {
   return j;
 }
 
-traversal_result met(std::uint32_t triangle, std::int64_t t) {
-  traversal_result r;
+mesh_result met(std::uint32_t triangle, std::int64_t t) {
+  mesh_result r;
   r.hit = true;
   r.triangle = triangle;
   r.t_hit = t;
@@ -137,7 +137,7 @@ TEST_CASE("triangle surfaces: a result's last bit may be worth two units, and a 
   const job_packet from_outside = ray({-2000, 1000, 500}, {1, 0, 0});
   CHECK(halved.at(from_outside, met(right, 1000)).distance * units_a_world_unit == Approx(4000).margin(2));
   CHECK(triangle_surfaces(m.model, m.q, 1).at(from_outside, met(right, 1000)).distance * units_a_world_unit == Approx(3000).margin(2));
-  traversal_result missed = met(slope, 1000);
+  mesh_result missed = met(slope, 1000);
   missed.hit = false;
   const frame::surface none = halved.at(from_outside, missed);
   CHECK(none.distance == 0);

@@ -40,7 +40,7 @@ frame mixed_frame(unsigned width, unsigned height) {
     where.voxels.push_back(
         {static_cast<std::uint32_t>(random() % 4), static_cast<std::uint32_t>(random() % 4), static_cast<std::uint32_t>(random() % 4)});
     if (i == width + 1) continue;
-    traversal_result r;
+    voxel_result r;
     r.job_word = i;
     r.hit = random() % 3 != 0;
     r.cost = static_cast<std::uint32_t>(2 + random() % 57);
@@ -145,7 +145,7 @@ TEST_CASE("contact sheet: legends tell a scale's colours, its ends and its middl
   frame f({30, 20}, 16);
   f.set_way(3);
   for (std::uint32_t i = 0; i < 600; ++i) {
-    traversal_result r;
+    voxel_result r;
     r.job_word = i;
     r.hit = i >= 300;
     r.cost = i < 300 ? 2 + i % 81 : 5;  // misses up to 82
@@ -162,10 +162,10 @@ TEST_CASE("contact sheet: legends tell a scale's colours, its ends and its middl
     const char *least, *middle, *most, *figures;
   } scales[] = {
       {2, {242, 242, 242}, {38, 38, 38}, "1", "2.5", "4 world units", "the model's cube has an edge of 2"},
-      {3, {0, 0, 3}, {252, 254, 164}, "2", "42", "82 clocks", "half within 5, 99 % within 80, all within 82"},
+      {3, {0, 0, 3}, {252, 254, 164}, "2", "42", "82 cycles", "half within 5, 99 % within 80, all within 82"},
       {4, {68, 1, 84}, {253, 231, 36}, "5", "545", "1,085 cycles", "half within 1,008, 99 % within 1,083, all within 1,085"},
       {5, {68, 1, 84}, {253, 231, 36}, "0", "500", "1,000 cycles", "half within 1,000, 99 % within 1,000, all within 1,000"},
-      {6, {255, 255, 255}, {255, 32, 32}, "2", "42", "82 clocks", "dearest miss: 82 clocks"},
+      {6, {255, 255, 255}, {255, 32, 32}, "2", "42", "82 cycles", "most expensive miss: 82 cycles"},
   };
   // 300 costs from 2 on in turns of 81 and 300 of 5: 316 of at most 5, 594 of at most 80.
   for (const auto& l : scales) {

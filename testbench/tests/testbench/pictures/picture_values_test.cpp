@@ -27,8 +27,8 @@ using values = std::vector<float>;
 
 constexpr rgb background{236, 237, 240};
 
-traversal_result voxel_hit(std::uint32_t pixel, int axis, int sign, double t = 1, std::uint32_t cost = 9) {
-  traversal_result r;
+voxel_result voxel_hit(std::uint32_t pixel, int axis, int sign, double t = 1, std::uint32_t cost = 9) {
+  voxel_result r;
   r.job_word = pixel;
   r.cost = cost;
   r.t_hit = static_cast<std::int64_t>(t * 65536);
@@ -38,8 +38,8 @@ traversal_result voxel_hit(std::uint32_t pixel, int axis, int sign, double t = 1
   return r;
 }
 
-traversal_result miss(std::uint32_t pixel, std::uint32_t cost = 9) {
-  traversal_result r;
+voxel_result miss(std::uint32_t pixel, std::uint32_t cost = 9) {
+  voxel_result r;
   r.job_word = pixel;
   r.cost = cost;
   return r;
@@ -56,7 +56,7 @@ frame six_faces() {
 frame triangles_of(const std::vector<std::array<float, 3>>& normals, const std::vector<std::uint32_t>& faces = {}) {
   frame f({static_cast<unsigned>(normals.size()), 1}, 0, true);
   for (std::uint32_t i = 0; i < normals.size(); ++i) {
-    traversal_result r = miss(i);
+    voxel_result r = miss(i);
     r.hit = true;
     f.store(r, 20, {1.0f, normals[i], faces.empty() ? i : faces[i]});
   }
@@ -239,7 +239,7 @@ TEST_CASE("picture values: the sky at a corner is that of the method's integral"
     frame f({64, 64}, 0, true);
     frame::places where;
     for (std::uint32_t i = 0; i < 64 * 64; ++i) {
-      traversal_result r = miss(i);
+      voxel_result r = miss(i);
       r.hit = true;
       f.store(r, 20, {1.0f, i % 64 < 32 ? std::array<float, 3>{0, 1, 0} : std::array<float, 3>{-1, 0, 0}, i});
       const vec p = point(i % 64, i / 64);
@@ -312,15 +312,15 @@ TEST_CASE("picture values: a miss is the redder, the more it cost, and white at 
   }
   CHECK(shown.pixels[3] == rgb{255, 242, 242});
   CHECK(shown.pixels[8] == rgb{0, 0, 0});
-  CHECK(shown.description == "Cost of misses: colours from 2 to 122 clocks and more");
+  CHECK(shown.description == "Cost of misses: colours from 2 to 122 cycles and more");
   // Hits have no say in where the scale ends, and it ends at 122 at the latest.
   const struct {
     std::uint32_t hit_cost, miss_cost;
     const char* told;
-  } scales[] = {{500, 50, "Cost of misses: colours from 2 to 50 clocks"},
-                {9, 121, "Cost of misses: colours from 2 to 121 clocks"},
-                {9, 122, "Cost of misses: colours from 2 to 122 clocks"},
-                {9, 123, "Cost of misses: colours from 2 to 122 clocks and more"}};
+  } scales[] = {{500, 50, "Cost of misses: colours from 2 to 50 cycles"},
+                {9, 121, "Cost of misses: colours from 2 to 121 cycles"},
+                {9, 122, "Cost of misses: colours from 2 to 122 cycles"},
+                {9, 123, "Cost of misses: colours from 2 to 122 cycles and more"}};
   for (const auto& s : scales) {
     frame g({2, 1}, 16);
     g.store(voxel_hit(0, 0, 1, 1, s.hit_cost), 20);
@@ -364,7 +364,7 @@ TEST_CASE("picture values: each pixel's place on the scales of cost, latency and
     CHECK(test::near(waits.pixels[i], scale("viridis", (wait(i) - 100) / 255.0)));
     CHECK(test::near(latency.pixels[i], scale("viridis", std::round(255.0 * (17 + cost(i) + wait(i) - least) / (most - least)) / 255)));
   }
-  CHECK(heat.description == "Cost: colours from 10 to 265 clocks");
+  CHECK(heat.description == "Cost: colours from 10 to 265 cycles");
   CHECK(waits.description == "Wait: colours from 100 to 355 cycles");
   CHECK(latency.description == "Latency: colours from " + std::to_string(least) + " to " + std::to_string(most) + " cycles");
 }
@@ -389,12 +389,12 @@ TEST_CASE("picture values: where a scale is cut, and how its ends are told") {
     return written(tmp, f, ".heat").description;
   };
   // Of 1000 rays 995 lie within the usual, which is 100; beyond 20 + 1.25 * 80 it is cut.
-  CHECK(told(1000, 5, 120) == "Cost: colours from 20 to 120 clocks");
-  CHECK(told(1000, 5, 121) == "Cost: colours from 20 to 100 clocks and more");
-  CHECK(told(1000, 6, 121) == "Cost: colours from 20 to 121 clocks");
-  CHECK(told(1000, 4, 121) == "Cost: colours from 20 to 121 clocks");  // the usual is the least
-  CHECK(told(1000, 5, 12'345'678) == "Cost: colours from 20 to 100 clocks and more");
-  CHECK(told(2, 1, 12'345'678) == "Cost: colours from 100 to 12,345,678 clocks");
+  CHECK(told(1000, 5, 120) == "Cost: colours from 20 to 120 cycles");
+  CHECK(told(1000, 5, 121) == "Cost: colours from 20 to 100 cycles and more");
+  CHECK(told(1000, 6, 121) == "Cost: colours from 20 to 121 cycles");
+  CHECK(told(1000, 4, 121) == "Cost: colours from 20 to 121 cycles");  // the usual is the least
+  CHECK(told(1000, 5, 12'345'678) == "Cost: colours from 20 to 100 cycles and more");
+  CHECK(told(2, 1, 12'345'678) == "Cost: colours from 100 to 12,345,678 cycles");
 
   const struct {
     double near, far;
@@ -447,7 +447,7 @@ TEST_CASE("picture values: every one of 16 cores has its colour") {
                         {0, 114, 178}, {213, 94, 0},   {204, 121, 167}, {136, 136, 136}};
   frame f({32, 1}, 16);
   for (std::uint32_t i = 0; i < 32; ++i) {
-    traversal_result r = i % 3 == 0 ? miss(i) : voxel_hit(i, 0, 1);
+    voxel_result r = i % 3 == 0 ? miss(i) : voxel_hit(i, 0, 1);
     r.core = static_cast<std::uint16_t>(i);
     f.store(r, 20);
   }
@@ -463,7 +463,7 @@ TEST_CASE("picture values: all layers of triangles") {
   const test::scratch_folder tmp;
   frame f({2, 2}, 0, true);
   f.set_way(6);
-  traversal_result r = miss(2, 33);
+  voxel_result r = miss(2, 33);
   r.hit = true;
   r.core = 5;
   f.store(r, 44, {2.25f, {0.6f, 0, 0.8f}, 7});

@@ -35,8 +35,8 @@ std::string bytes_of(const fs::path& file) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-traversal_result hit(std::uint32_t job_word, double t, std::int8_t axis, std::int8_t sign, std::uint32_t cost, std::uint16_t core) {
-  traversal_result r;
+voxel_result hit(std::uint32_t job_word, double t, std::int8_t axis, std::int8_t sign, std::uint32_t cost, std::uint16_t core) {
+  voxel_result r;
   r.job_word = job_word;
   r.cost = cost;
   r.t_hit = static_cast<std::int64_t>(t * 65536);
@@ -47,8 +47,8 @@ traversal_result hit(std::uint32_t job_word, double t, std::int8_t axis, std::in
   return r;
 }
 
-traversal_result miss(std::uint32_t job_word, std::uint32_t cost, std::uint16_t core) {
-  traversal_result r = hit(job_word, 123, 1, 1, cost, core);  // as built, a miss carries the core's last hit
+voxel_result miss(std::uint32_t job_word, std::uint32_t cost, std::uint16_t core) {
+  voxel_result r = hit(job_word, 123, 1, 1, cost, core);  // as built, a miss carries the core's last hit
   r.hit = false;
   return r;
 }
@@ -125,7 +125,7 @@ TEST_CASE("frame: results find their pixels by the low 28 bits of the job word")
 TEST_CASE("frame: of several results for a pixel it keeps the nearest hit, of equals that of the earlier job") {
   frame f({3, 2}, 16);
   const auto result = [](bool is_hit, double t, std::uint32_t sequence) {
-    traversal_result r = is_hit ? hit(0, t, 0, 1, 10 + sequence, 0) : miss(0, 10 + sequence, 0);
+    voxel_result r = is_hit ? hit(0, t, 0, 1, 10 + sequence, 0) : miss(0, 10 + sequence, 0);
     r.sequence = sequence;
     return r;
   };
@@ -149,7 +149,7 @@ TEST_CASE("frame: of several results for a pixel it keeps the nearest hit, of eq
 }
 
 TEST_CASE("frame: t_hit in world units at other precisions") {
-  traversal_result r = hit(0, 0, 0, 1, 2, 0);
+  voxel_result r = hit(0, 0, 0, 1, 2, 0);
   r.t_hit = -3;
   for (const unsigned fraction_bits : {0u, 1u, 8u, 24u, 40u}) {
     frame f({1, 1}, fraction_bits);
@@ -263,7 +263,7 @@ TEST_CASE("pictures: cost, latency and wait on scales from the least to the grea
   CHECK(heat[0][0] < heat[1][0]);
   CHECK(heat[1][0] < heat[2][0]);
   CHECK(heat[5] == rgb{0, 0, 0});
-  CHECK(description(tmp.folder / "x.heat.png") == "Cost: colours from 2 to 42 clocks");
+  CHECK(description(tmp.folder / "x.heat.png") == "Cost: colours from 2 to 42 cycles");
 
   write_picture(tmp.folder / "x.latency.png", f, picture_kind::latency);
   const auto latency = png_pixels(tmp.folder / "x.latency.png");
@@ -284,7 +284,7 @@ TEST_CASE("pictures: a scale ends where nearly all rays do") {
   frame f({1000, 1}, 16);
   for (std::uint32_t i = 0; i < 1000; ++i) f.store(miss(i, i < 997 ? 10 + i % 91 : 5000, 0), 1 + i);
   write_picture(tmp.folder / "x.heat.png", f, picture_kind::heat);
-  CHECK(description(tmp.folder / "x.heat.png") == "Cost: colours from 10 to 100 clocks and more");
+  CHECK(description(tmp.folder / "x.heat.png") == "Cost: colours from 10 to 100 cycles and more");
   const auto pixels = png_pixels(tmp.folder / "x.heat.png");
   CHECK(pixels[999] == pixels[90]);
   CHECK(pixels[89] != pixels[90]);

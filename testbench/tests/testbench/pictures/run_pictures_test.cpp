@@ -111,7 +111,7 @@ struct recorded {
       return title + ": colours from " + grouped(std::to_string(all.front())) + " to " +
              grouped(std::to_string(static_cast<std::uint64_t>(cut ? usual : most))) + ' ' + unit + (cut ? " and more" : "");
     };
-    CHECK(png(folder / "x.heat.png").description == told(costs, "Cost", "clocks"));
+    CHECK(png(folder / "x.heat.png").description == told(costs, "Cost", "cycles"));
     CHECK(png(folder / "x.wait.png").description == told(waits, "Wait", "cycles"));
   }
 

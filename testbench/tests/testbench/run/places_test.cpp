@@ -25,16 +25,16 @@ const std::string source = RTUSIM_SOURCE_DIR;
 
 /// A frame of results as the cores give them, from the walk alone.
 frame traced(const run_setup& s, const svo_model& model, const std::vector<job_packet>& jobs) {
-  frame picture(s.what.picture, s.unit.of<svo_kind>().format.fraction_bits);
-  const svo_walk walk(s.unit.of<svo_kind>().core_with_format());
-  const numeric::float_to_fixed_converter converter(s.unit.of<svo_kind>().format, s.unit.of<svo_kind>().conversion);
-  const word_view memory = view_of(model.octree(), s.unit.of<svo_kind>().memory_);
+  frame picture(s.what.picture, s.hardware.of<svo_kind>().format.fraction_bits);
+  const svo_walk walk(s.hardware.of<svo_kind>().core_with_format());
+  const numeric::float_to_fixed_converter converter(s.hardware.of<svo_kind>().format, s.hardware.of<svo_kind>().conversion);
+  const word_view memory = view_of(model.octree(), s.hardware.of<svo_kind>().memory_);
   for (std::uint32_t n = 0; n < jobs.size(); ++n) {
     numeric::float_to_fixed_stats ignored;
     traversal_job job;
     convert(jobs[n], converter, ignored, job);
     const svo_outcome o = walk(job, memory);
-    traversal_result r;
+    voxel_result r;
     r.job_word = jobs[n].job_word;
     r.sequence = n;
     r.hit = o.hit;
@@ -67,10 +67,10 @@ TEST_CASE("places: every hit names a filled voxel, next to the point where it li
                            source + "/testbench/architectures/" + architecture + ".toml",
                            {"frame.width=96", "frame.height=54", "memory.address_bits=24", "svo_core.stack_depth=16", view},
                            source + "/testbench/golden/svo/models/" + model_file + ".svo"});
-        const svo_model model(s.unit, s.what, {});
-        const auto jobs = model.jobs(s.unit, s.what, 1, true).packets;
+        const svo_model model(s.hardware, s.what, {});
+        const auto jobs = model.jobs(s.hardware, s.what, 1, true).packets;
         const frame picture = traced(s, model, jobs);
-        const frame::places where = model.places(s.unit, jobs, picture);
+        const frame::places where = model.places(s.hardware, jobs, picture);
         CAPTURE(architecture, model_file, view, where.cells);
         REQUIRE(where.cells == model.voxels_an_edge());
         // The words of the octree themselves: down from the root by the voxel's bits.

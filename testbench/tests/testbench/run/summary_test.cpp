@@ -39,10 +39,10 @@ run_record made_up(unsigned cores) {
     "svo_core": {"jobs": 991, "hits": 1, "cost": 2,
        "cycles": {"idle": 167, "init": 1, "eval": 300, "next": 100, "push": 200, "pop": 170, "out": 62}},
     "channels": {
-      "pending_job": {"transferred": 5, "starved": 10, "held_back": 25, "idle": 60},
-      "job": {"transferred": 185, "starved": 2, "held_back": 812, "idle": 1},
-      "result": {"transferred": 400, "starved": 300, "held_back": 200, "idle": 100},
-      "core_job_0": {"transferred": 1, "starved": 1, "held_back": 1, "idle": 1}}})");
+      "pending_job": {"transferred": 5, "starved": 10, "back_pressured": 25, "idle": 60},
+      "job": {"transferred": 185, "starved": 2, "back_pressured": 812, "idle": 1},
+      "result": {"transferred": 400, "starved": 300, "back_pressured": 200, "idle": 100},
+      "core_job_0": {"transferred": 1, "starved": 1, "back_pressured": 1, "idle": 1}}})");
   for (unsigned i = 0; i < cores; ++i)
     r.statistics["core_" + std::to_string(i)] = {
         {"jobs", 400 + i}, {"hits", 9}, {"cost", 8}, {"cycles", {{"idle", 10 + i}, {"eval", 960 - 2 * i}, {"out", 30 + i}}}};
@@ -93,10 +93,10 @@ TEST_CASE("summary: a whole page of voxel cores", "[summary]") {
       "                     core_0   1.0%  96.0%   3.0%    400\n"
       "                     core_1   1.1%  95.8%   3.1%    401\n"
       "\n"
-      "channels, share of all cycles:  transferred  starved  held back   idle\n"
-      "                           job        18.5%     0.2%      81.2%   0.1%\n"
-      "                   pending_job         5.0%    10.0%      25.0%  60.0%\n"
-      "                        result        40.0%    30.0%      20.0%  10.0%\n"
+      "channels, share of all cycles:  transferred  starved  back-pressured   idle\n"
+      "                           job        18.5%     0.2%           81.2%   0.1%\n"
+      "                   pending_job         5.0%    10.0%           25.0%  60.0%\n"
+      "                        result        40.0%    30.0%           20.0%  10.0%\n"
       "\n"
       "simulated in 0.250 s (skipping with everything: 1.649 s): 0.78 M rays/s, 4.20 M cycles/s, 1.98 edges a ray\n";
   CHECK(summary_text(made_up(2)) == page);
@@ -114,7 +114,7 @@ TEST_CASE("summary: triangle cores have a fill and no cycles of handing over; a 
   CHECK(lines[1] == "no --arch: the default design (testbench/architectures/espe2019.toml) with what --set changes");
   CHECK(lines[14] == "                        all   2.5%  97.5%   0.0%    242");
   CHECK(lines[15] == "                     core_0   5.0%  95.0%   0.0%    241");
-  CHECK(lines[16] == "                       fill  40.6% of the cores' walking clocks issue a triangle");
+  CHECK(lines[16] == "                       fill  40.6% of the cores' walking cycles issue a triangle");
 }
 
 TEST_CASE("summary: up to 16 cores all are told, of more the first and the last four", "[summary]") {
@@ -187,13 +187,13 @@ TEST_CASE("summary: what a run prints is what its record says", "[summary]") {
     for (unsigned i = 0; i < cores; ++i)
       if (cores < 17 || i < 4 || i > cores - 5) core_line("core_" + std::to_string(i), s["core_" + std::to_string(i)], cycles);
     if (triangles)
-      page.push_back(printed("%27s %5.1f%% of the cores' walking clocks issue a triangle", "fill", 100 * number(s["bih_core"]["fill"])));
+      page.push_back(printed("%27s %5.1f%% of the cores' walking cycles issue a triangle", "fill", 100 * number(s["bih_core"]["fill"])));
     page.emplace_back();
-    page.emplace_back("channels, share of all cycles:  transferred  starved  held back   idle");
+    page.emplace_back("channels, share of all cycles:  transferred  starved  back-pressured   idle");
     for (const char* name : {"job", "pending_job", "result"}) {
       const json& c = s["channels"][name];
-      page.push_back(printed("%30s %11.1f%% %7.1f%% %9.1f%% %5.1f%%", name, 100 * number(c["transferred"]) / cycles,
-                             100 * number(c["starved"]) / cycles, 100 * number(c["held_back"]) / cycles, 100 * number(c["idle"]) / cycles));
+      page.push_back(printed("%30s %11.1f%% %7.1f%% %14.1f%% %5.1f%%", name, 100 * number(c["transferred"]) / cycles,
+                             100 * number(c["starved"]) / cycles, 100 * number(c["back_pressured"]) / cycles, 100 * number(c["idle"]) / cycles));
     }
     page.emplace_back();
     const json& m = record["simulator"];

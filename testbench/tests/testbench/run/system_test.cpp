@@ -47,7 +47,8 @@ struct outcome {
   std::string statistics;
 };
 
-std::string log_line(cycle c, const traversal_result& r) {
+std::string log_line(cycle c, const traversal_result& any) {
+  const auto& r = static_cast<const voxel_result&>(any);
   const int axis = r.normal_axis;
   return fmt::format("{},{},{},{},{},{},{},{},{}\n", c, r.core, r.job_word, static_cast<int>(r.hit), r.hit ? r.t_hit : 0, r.hit ? axis : -1,
                      r.cost, r.t_hit, axis);

@@ -25,7 +25,7 @@ struct outcome {
   std::string statistics;
 };
 
-std::string text_of(const traversal_result& r) {
+std::string text_of(const mesh_result& r) {
   return fmt::format("{},{},{},{},{},{},{}\n", r.job_word, static_cast<int>(r.hit), r.triangle, r.t_hit, r.u, r.v, r.cost);
 }
 
@@ -37,7 +37,7 @@ outcome simulate(const design& d, const surroundings& s, const bih_memory& model
     std::string log;
     test::rng random(change_pace);
     sim.board().on_result([&](cycle c, const traversal_result& r, std::uint64_t latency_cycles) {
-      log += fmt::format("{},{},{},{}", c, r.core, latency_cycles, text_of(r));
+      log += fmt::format("{},{},{},{}", c, r.core, latency_cycles, text_of(static_cast<const mesh_result&>(r)));
       if (change_pace != 0 && random() % 4 == 0) sim.clock().set_pace(static_cast<pace>(random() % 3));
     });
     sim.run();
@@ -60,7 +60,7 @@ std::set<std::string> alone(const design& d, const bih_memory& model, const std:
     ray_setup_stats stats;
     triangle_job job;
     setup(packet, stats, job);
-    traversal_result r;
+    mesh_result r;
     r.job_word = packet.job_word;
     const bih_outcome o = walk(job.ray, [&](std::uint32_t triangle, std::uint64_t) {
       const triangle_outcome hit = intersect(job.ray.position, job.ray.direction, model.triangles[triangle]);

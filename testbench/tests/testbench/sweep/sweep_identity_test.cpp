@@ -229,8 +229,8 @@ struct shared {
 shared shared_of(const run_setup& s) {
   shared all;
   try {
-    const auto model = s.host().load(s.unit, s.what);
-    const sent_jobs sent = model->jobs(s.unit, s.what, 1, false);
+    const auto model = s.host().load(s.hardware, s.what);
+    const sent_jobs sent = model->jobs(s.hardware, s.what, 1, false);
     for (const job_packet& j : sent.packets)
       all.jobs.push_back({j.job_word, j.t0[0], j.t0[1], j.t0[2], j.t1[0], j.t1[1], j.t1[2], j.address});
     if (const auto* of_triangles = dynamic_cast<const bih_model*>(model.get())) {
@@ -245,7 +245,7 @@ shared shared_of(const run_setup& s) {
       return all;
     }
     all.octree = dynamic_cast<const svo_model&>(*model).octree();
-    const walked_rays walked = walk_rays(*model->walker(s.unit), sent.packets, 1);
+    const walked_rays walked = walk_rays(*model->walker(s.hardware), sent.packets, 1);
     for (std::size_t i = 0; i < walked.size; ++i) {
       const walked_ray& r = walked.rays[i];
       all.walks.push_back({r.job_word, r.cost, r.pushes, r.depth, r.hit, r.overflow, r.hit ? r.t_hit : 0, r.hit ? r.axis : 0});

@@ -1,0 +1,22 @@
+#include "modules/scheduler/scheduler_params.h"
+
+#include <fmt/format.h>
+
+namespace rtusim {
+
+void scheduler_stats::describe(config::report& r) const {
+  r.number("jobs", jobs, "jobs", "jobs handed to a core");
+  r.group("wait", [this](config::report& g) {
+    g.number("mean", jobs == 0 ? 0.0 : static_cast<double>(wait_cycles) / static_cast<double>(jobs), "cycles",
+             "cycles in which a job is offered and no core takes it");
+    g.number("most", most_wait_cycles, "cycles", "the same of the job that waits longest");
+  });
+}
+
+void scheduler_params::describe(config::section& s) {
+  const auto meanings = scheduler_policies::meanings();
+  s.choice("policy", select, scheduler_policies::names(),
+           fmt::format("how a job finds its core: {}, or {}", fmt::join(meanings.begin(), meanings.end() - 1, ", "), meanings.back()));
+}
+
+}  // namespace rtusim
