@@ -83,7 +83,9 @@ void share_rows(unsigned height, unsigned threads, const Rows& rows) {
     rows(first, past);
   };
   std::vector<std::future<void>> others;
-  for (unsigned worker = 1; worker < workers; ++worker) others.push_back(std::async(std::launch::async, share, worker));
+  // Deferred where the system has no thread left.
+  constexpr auto how = std::launch::async | std::launch::deferred;
+  for (unsigned worker = 1; worker < workers; ++worker) others.push_back(std::async(how, share, worker));
   share(0);
   for (auto& other : others) other.get();
 }

@@ -88,11 +88,11 @@ std::string picture_words() {
 }
 
 picture_preparation::picture_preparation(bool wanted) : wanted_(wanted) {
-  if (wanted_) writer(std::launch::async);
+  if (wanted_) writer(std::launch::async | std::launch::deferred);
 }
 
 picture_preparation::~picture_preparation() {
-  if (wanted_) writer(std::launch::async).wait();
+  if (wanted_) writer(std::launch::async | std::launch::deferred).wait();
 }
 
 void write_picture(const std::filesystem::path& file, const frame& picture, picture_kind kind, const picture_text& text) {

@@ -6,6 +6,19 @@
 #include "testbench/replay/walk_in_parts.h"
 
 namespace rtusim {
+namespace {
+
+/// All but the caller's own.
+void start_others(replaying::joined_threads& others, replaying::walk_in_parts& walks, unsigned threads) {
+  for (unsigned n = 1; n < threads; ++n)
+    others.start(
+        [&walks] {
+          while (walks.walk_part()) {}
+        },
+        [&walks] { walks.stop(); });
+}
+
+}  // namespace
 
 std::string replay_obstacle(const design& d, const surroundings& s) {
   if (const std::string why = d.kind().replay_obstacle(); !why.empty()) return why;
@@ -21,13 +34,10 @@ void check_replayable(const design& d, const surroundings& s) {
 walked_rays walk_rays(const ray_walker& walk, const std::vector<job_packet>& jobs, unsigned threads) {
   walked_rays all(jobs.size());
   replaying::walk_in_parts walks(walk, jobs, all);
-  std::vector<std::thread> others;
-  for (unsigned n = 1; n < threads; ++n)
-    others.emplace_back([&walks] {
-      while (walks.walk_part()) {}
-    });
+  replaying::joined_threads others;
+  start_others(others, walks, threads);
   while (walks.walk_part()) {}
-  for (auto& t : others) t.join();
+  others.join();
   return all;
 }
 
@@ -46,12 +56,7 @@ run_figures replay(const design& d, const surroundings& s, const ray_walker& wal
   const auto schedule = walk.schedule(d, s, walked, handler);
   replaying::walk_in_parts walks(walk, jobs, walked);
   replaying::joined_threads others;
-  for (unsigned n = 1; n < threads; ++n)
-    others.start(
-        [&walks] {
-          while (walks.walk_part()) {}
-        },
-        [&walks] { walks.stop(); });
+  start_others(others, walks, threads);
   for (std::size_t walked_to = 0; walked_to < jobs.size();) {
     const std::size_t end = walks.walked_to();
     if (end == walked_to && !walks.walk_part()) std::this_thread::yield();

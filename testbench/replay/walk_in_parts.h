@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <functional>
 #include <mutex>
+#include <system_error>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -60,9 +61,14 @@ class joined_threads {
     for (const auto& stop : stops_) stop();
     join();
   }
+  /// Starts none where the system has none left: `work` is help that the others can do without.
   void start(std::function<void()> work, std::function<void()> stop) {
     stops_.push_back(std::move(stop));
-    threads_.emplace_back(std::move(work));
+    try {
+      threads_.emplace_back(std::move(work));
+    } catch (const std::system_error&) {
+      return;
+    }
   }
   void join() {
     for (auto& t : threads_) t.join();
