@@ -113,7 +113,8 @@ std::string timing_text(const std::filesystem::path& architecture, const std::ve
   }
   std::string text = fmt::format("{:22}{:>10}  {:>10}  {:>8}  {}\n", "unit", "latency", "interval", "capacity", "within the cycle");
   for (const row& r : rows)
-    text += fmt::format("{:22}{}\n", r.last.empty() ? r.first : r.first + " to " + r.last, r.timing.substr(0, r.timing.find_last_not_of(' ') + 1));
+    text += fmt::format("{:22}{}\n", r.last.empty() ? r.first : r.first + " to " + r.last,
+                        r.timing.substr(0, r.timing.find_last_not_of(' ') + 1));
   return text + R"(
 latency    cycles from the one in which something enters to the first in which what comes of it may leave
 interval   cycles between two that enter, at the least

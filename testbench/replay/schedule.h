@@ -30,7 +30,8 @@ namespace rtusim::replaying {
 ///     using result_type = ...;                                               // of a core
 ///     void show(unsigned core, const walked_ray&, result_type&);             // what the result bus carries, in the order of leaving
 ///     /// Of the bank's units, in their order.
-///     std::vector<named_figures> figures(const job_manager::stats&, const scheduler_stats&, const std::vector<core_schedule>&, const result_manager_stats&) const;
+///     std::vector<named_figures> figures(const job_manager::stats&, const scheduler_stats&, const std::vector<core_schedule>&,
+///                                        const result_manager_stats&) const;
 template <bool Held, class Policy, class Way>
 class schedule final : public job_schedule {
  public:

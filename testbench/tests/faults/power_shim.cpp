@@ -1,9 +1,9 @@
-// Stands between a program and the C library, by LD_PRELOAD, and keeps what is on the disk for certain: of each file what it held when it was
-// synced last, of each folder its names then.
+// Stands between a program and the C library, by LD_PRELOAD, and keeps what is on the disk for certain: of each file what it held when it
+// was synced last, of each folder its names then.
 //
-// POWER_ROOT is the folder that is watched, POWER_JOURNAL where the rest goes: `log` has a line for each call that synced something, and the
-// Nth call leaves `N.INODE.file`, its bytes, and `N.INODE.folder`, a line `INODE NAME` for each entry, with `/` after a folder's name, of all
-// that it synced. Calls of several processes come one after the other.
+// POWER_ROOT is the folder that is watched, POWER_JOURNAL where the rest goes: `log` has a line for each call that synced something, and
+// the Nth call leaves `N.INODE.file`, its bytes, and `N.INODE.folder`, a line `INODE NAME` for each entry, with `/` after a folder's name,
+// of all that it synced. Calls of several processes come one after the other.
 
 #include <dirent.h>
 #include <dlfcn.h>

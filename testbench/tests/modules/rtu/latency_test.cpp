@@ -46,8 +46,7 @@ steps steps_of(const design& d, const memory_contents& model, const job_packet& 
   shown = in_child([&] {
     simulation sim(d, s, model, jobs, pace::skipping, window);
     sim.run();
-    return fmt::format("{} {}", sim.dut().bank().job_timing().latency_cycles,
-                       sim.dut().bank().core_timing().latency_cycles);
+    return fmt::format("{} {}", sim.dut().bank().job_timing().latency_cycles, sim.dut().bank().core_timing().latency_cycles);
   });
   const test::vcd w(folder / "w.vcd");
   const std::uint64_t accepted = only(w, "job"), pending = only(w, "rtu.pending_job"), dispatched = only(w, "rtu.core_job_0"),

@@ -193,7 +193,8 @@ TEST_CASE("summary: what a run prints is what its record says", "[summary]") {
     for (const char* name : {"job", "pending_job", "result"}) {
       const json& c = s["channels"][name];
       page.push_back(printed("%30s %11.1f%% %7.1f%% %14.1f%% %5.1f%%", name, 100 * number(c["transferred"]) / cycles,
-                             100 * number(c["starved"]) / cycles, 100 * number(c["back_pressured"]) / cycles, 100 * number(c["idle"]) / cycles));
+                             100 * number(c["starved"]) / cycles, 100 * number(c["back_pressured"]) / cycles,
+                             100 * number(c["idle"]) / cycles));
     }
     page.emplace_back();
     const json& m = record["simulator"];
