@@ -103,7 +103,7 @@ void result_manager<Result>::edge() {
   if (taken) {
     const unsigned core = selected(now());
     full_.set_line(core, false);
-    stats_.count(now() - came_[core]);
+    stats_.results.add(now() - came_[core]);
     core_in[core]->offer_ready(offer::always_from(now() + 1));
     if (!valid_withdrawn_) full_.select(core + 1 < full_.lines() ? core + 1 : 0, now() + 1);
   }

@@ -3,12 +3,9 @@
 namespace rtusim {
 
 void result_manager_stats::describe(config::report& r) const {
-  r.number("results", results, "results", "results sent out");
-  r.group("wait", [this](config::report& g) {
-    g.number("mean", results == 0 ? 0.0 : static_cast<double>(wait_cycles) / static_cast<double>(results), "cycles",
-             "cycles from the one in which a buffer takes a result to the one in which it leaves");
-    g.number("most", most_wait_cycles, "cycles", "the same of the result that waits longest");
-  });
+  r.number("results", results.count, "results", "results sent out");
+  results.describe(r, "cycles from the one in which a buffer takes a result to the one in which it leaves",
+                   "the same of the result that waits longest");
 }
 
 void result_manager_params::describe(config::section& s) {

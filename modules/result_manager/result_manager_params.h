@@ -1,10 +1,10 @@
 #pragma once
 
-#include <algorithm>
 #include <cstdint>
 
 #include "modules/config/report.h"
 #include "modules/config/section.h"
+#include "modules/timing/wait_stats.h"
 
 namespace rtusim {
 
@@ -19,16 +19,8 @@ struct result_manager_params {
 };
 
 struct result_manager_stats {
-  std::uint64_t results = 0;
-  std::uint64_t wait_cycles = 0;  ///< sum over the results
-  std::uint64_t most_wait_cycles = 0;
+  wait_stats results;  ///< cycles from the one in which a buffer took each to the one in which it left
 
-  /// A result left so many cycles after it came.
-  void count(std::uint64_t waited_cycles) {
-    ++results;
-    wait_cycles += waited_cycles;
-    most_wait_cycles = std::max(most_wait_cycles, waited_cycles);
-  }
   void describe(config::report& r) const;
 };
 

@@ -111,7 +111,7 @@ std::uint64_t scheduler<Job>::valid_cycles(unsigned which) {
 
 template <class Job>
 channel_base& scheduler<Job>::pass(cycle c) {
-  stats_.count(c - std::max(job_in->valid().from, after_last_));
+  stats_.jobs.add(c - std::max(job_in->valid().from, after_last_));
   after_last_ = c + 1;
   return std::visit(
       [&](auto& policy) -> channel_base& {

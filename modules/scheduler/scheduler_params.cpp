@@ -5,12 +5,8 @@
 namespace rtusim {
 
 void scheduler_stats::describe(config::report& r) const {
-  r.number("jobs", jobs, "jobs", "jobs handed to a core");
-  r.group("wait", [this](config::report& g) {
-    g.number("mean", jobs == 0 ? 0.0 : static_cast<double>(wait_cycles) / static_cast<double>(jobs), "cycles",
-             "cycles in which a job is offered and no core takes it");
-    g.number("most", most_wait_cycles, "cycles", "the same of the job that waits longest");
-  });
+  r.number("jobs", jobs.count, "jobs", "jobs handed to a core");
+  jobs.describe(r, "cycles in which a job is offered and no core takes it", "the same of the job that waits longest");
 }
 
 void scheduler_params::describe(config::section& s) {

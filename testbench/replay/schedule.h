@@ -96,7 +96,7 @@ class schedule final : public job_schedule {
     const unsigned chosen = policy_.core();
     core_schedule& core = cores_[chosen];
     core.idle_cycles += dispatched - core.free_from + 1;
-    dispatches_.count(dispatched - output_from);
+    dispatches_.jobs.add(dispatched - output_from);
     last_dispatch_ = dispatched;
     way_.check(ray, chosen, j, dispatched);
 
@@ -137,7 +137,7 @@ class schedule final : public job_schedule {
       core.drained = drained;
       core.waited_cycles += buffered - done;
       core.full_cycles += drained - buffered;
-      results_.count(drained - buffered);
+      results_.results.add(drained - buffered);
       last_result_ = std::max(last_result_, drained);
       order_.add(drained, {j, chosen, drained - accepted});
     }
@@ -169,7 +169,7 @@ class schedule final : public job_schedule {
         if (drained > end) return;  // offered, and taken later
         result_valid_cycles_ += drained - turn_cycle_ + 1;
         core.full_cycles += drained - core.buffered;
-        results_.count(drained - core.buffered);
+        results_.results.add(drained - core.buffered);
         last_result_ = std::max(last_result_, drained);
         order_.add(drained, {core.job, turn_, drained - accepted_[core.job]});
         --outstanding_;
@@ -222,8 +222,8 @@ class schedule final : public job_schedule {
       figures_.channels.emplace_back(std::move(name),
                                      channel_stats{transfers, ready - transfers, valid - transfers, end + transfers - valid - ready});
     };
-    waits.result_cycles = results_.wait_cycles;
-    channel("pending_job", jobs, jobs + dispatches_.wait_cycles, policy_.ready_cycles(end, core_view{*this}));
+    waits.result_cycles = results_.results.cycles;
+    channel("pending_job", jobs, jobs + dispatches_.jobs.cycles, policy_.ready_cycles(end, core_view{*this}));
     for (unsigned i = 0; i < cores_.size(); ++i) {
       core_schedule& core = cores_[i];
       core.idle_cycles += cycles_from(core.free_from, 0, end);
