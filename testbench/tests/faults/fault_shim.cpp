@@ -20,6 +20,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <initializer_list>
 
 extern "C" {
 void* __libc_malloc(std::size_t);
@@ -47,8 +48,8 @@ Function next(const char* name) {
   return reinterpret_cast<Function>(dlsym(RTLD_NEXT, name));
 }
 
-/// Whether a library asks for the memory that does not look whether it gets it (SystemC's, but for what it asks of `new`), or that ends the
-/// process itself (GLib, behind OpenImageIO).
+/// Whether a library asks for the memory that does not look whether it gets it (SystemC's and OpenImageIO's table of strings, but for what
+/// they ask of `new`), or that ends the process itself (GLib, behind OpenImageIO).
 bool is_unchecked() {
   void* frames[8];
   const int depth = backtrace(frames, 8);
@@ -57,7 +58,10 @@ bool is_unchecked() {
   for (int i = 0; i < depth; ++i) {
     if (dladdr(frames[i], &caller) == 0 || caller.dli_fname == nullptr) return false;
     const bool passes_on = caller.dli_fbase == own.dli_fbase || std::strstr(caller.dli_fname, "/libc.so") != nullptr;  // strdup
-    if (!passes_on) return std::strstr(caller.dli_fname, "libsystemc") != nullptr || std::strstr(caller.dli_fname, "libglib") != nullptr;
+    if (passes_on) continue;
+    for (const char* library : {"libsystemc", "libglib", "libOpenImageIO_Util"})
+      if (std::strstr(caller.dli_fname, library) != nullptr) return true;
+    return false;
   }
   return false;
 }
