@@ -44,7 +44,8 @@ class float_to_fixed_converter {
   /// The raw word, sign-extended. What loses its value is counted; the conversions are the caller's to count.
   std::int64_t operator()(std::uint32_t float_bits, float_to_fixed_stats& stats) const {
     const unsigned biased = float_bits >> 23 & 0xff;
-    if (biased - least_ > greatest_ - least_) return at_the_ends(float_bits, stats);
+    // Where only two exponents fit and `flush_small` drops them, none is kept.
+    if (biased - least_ >= greatest_ + 1 - least_) return at_the_ends(float_bits, stats);
     // Exact but for the conversion, which cuts toward zero as the shifters do.
     float value;
     std::memcpy(&value, &float_bits, sizeof value);
@@ -53,6 +54,9 @@ class float_to_fixed_converter {
     const auto odd = static_cast<std::int64_t>(biased > bias) & ~static_cast<std::int64_t>(biased);
     return fixed - (fixed & odd & 1) + (fixed & odd & 1 & -static_cast<std::int64_t>(float_bits >> 31)) * 2;
   }
+  /// The biased exponents between which a word keeps some of its value.
+  unsigned least_exponent() const { return least_; }
+  unsigned greatest_exponent() const { return greatest_; }
 
  private:
   static constexpr unsigned bias = 127;
@@ -63,7 +67,7 @@ class float_to_fixed_converter {
   fixed_format format_;
   bool saturate_to_zero_;
   bool clear_lsb_;
-  unsigned least_;  // biased exponents between which a word keeps some of its value
+  unsigned least_;
   unsigned greatest_;
   double one_;  // 2^fraction_bits
 };

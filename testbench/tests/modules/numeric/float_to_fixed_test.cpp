@@ -47,6 +47,20 @@ TEST_CASE("float_to_fixed: the right converter truncates and saturates, at every
   }
 }
 
+TEST_CASE("float_to_fixed: a format of which flush_small leaves only the ends", "[numeric]") {
+  test::rng random(2);
+  const fixed_format format{2, 1};
+  float_to_fixed_stats stats;
+  for (int i = 0; i < 50'000; ++i) {
+    std::uint32_t bits = random();
+    if (i % 2 == 0) bits = (bits & 0x807fffff) | (110u + random() % 30) << 23;
+    const bool small = std::fabs(float_of(bits)) < 2;
+    CAPTURE(bits);
+    REQUIRE(float_to_fixed(bits, format, {false, true, false}, stats) == (small ? 0 : reference(bits, format)));
+    REQUIRE(float_to_fixed(bits, format, {true, true, true}, stats) == 0);
+  }
+}
+
 TEST_CASE("float_to_fixed: what does not keep its value is counted", "[numeric]") {
   struct row {
     float value;
