@@ -4,9 +4,13 @@
 #include <array>
 #include <cmath>
 #include <string>
+#include <vector>
 
 #include <catch2/catch.hpp>
 #include <fmt/format.h>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <glm/vec3.hpp>
 
 #include "modules/config/error.h"
 #include "modules/config/files.h"
@@ -16,6 +20,7 @@
 #include "scenes/voxels/svo_builder.h"
 #include "testbench/commands/info_command.h"
 #include "testbench/pictures/voxel_views.h"
+#include "testbench/tests/random.h"
 #include "testbench/tests/scratch.h"
 
 namespace rtusim {
@@ -247,6 +252,56 @@ TEST_CASE("info: the slices stand as on a drawing", "[convert]") {
       CHECK(is_filled(1, 1, i, j) == (i == 1 && j == 7));
       CHECK(is_filled(0, 0, i, j) == (i == 7 && j == 1));
     }
+}
+
+TEST_CASE("info: the view from the right front shows the nearest faces", "[convert]") {
+  test::rng random(5);
+  voxel_grid grid(4);
+  std::vector<glm::dvec3> filled;  // lower corners
+  for (unsigned x = 0; x < 4; ++x)
+    for (unsigned y = 0; y < 4; ++y)
+      for (unsigned z = 0; z < 4; ++z)
+        if (random() % 3 == 0) {
+          grid.fill(x, y, z);
+          filled.emplace_back(x, y, z);
+        }
+  // From above to the right, along a fixed way, with the box of all voxels and a little more in the panel.
+  const glm::dvec3 way = glm::normalize(glm::dvec3(-0.62, -0.52, -1.0)), right = glm::normalize(glm::cross(way, {0, 1, 0}));
+  const glm::dvec3 up = glm::cross(right, way), centre(2.0), half(2.0);
+  const double reach = 1.04 * std::max(glm::dot(glm::abs(right), half), glm::dot(glm::abs(up), half));
+  const rgb_picture sheet = voxel_views(grid, {0, 0, 0}, {1, 1, 1});
+  const unsigned gap = 8, panel = (sheet.width - 3 * gap) / 2;
+  // Each face's colour is found where it is seen first, and must then be its alone: ground, and the faces to +x, +y, +z.
+  std::array<std::array<int, 3>, 4> colours{{{-1, -1, -1}, {-1, -1, -1}, {-1, -1, -1}, {-1, -1, -1}}};
+  std::array<unsigned, 4> seen{};
+  unsigned wrong = 0;
+  for (unsigned py = 0; py < panel; py += 3)
+    for (unsigned px = 0; px < panel; px += 3) {
+      const double a_pixel = 2 * reach / panel;
+      const glm::dvec3 from = centre + right * ((px + 0.5) * a_pixel - reach) - up * ((py + 0.5) * a_pixel - reach) - way * 20.0;
+      std::size_t face = 0;
+      double nearest = 1e9;
+      for (const glm::dvec3& corner : filled) {
+        // The way has no positive component: a box is entered through its upper faces.
+        const glm::dvec3 in = (corner + 1.0 - from) / way, out = (corner - from) / way;
+        const double enters = std::max({in.x, in.y, in.z});
+        if (enters >= std::min({out.x, out.y, out.z}) || enters >= nearest) continue;
+        nearest = enters;
+        face = in.x == enters ? 1 : in.y == enters ? 2 : 3;
+      }
+      ++seen[face];
+      const std::size_t at = 3 * (std::size_t{gap + py} * sheet.width + gap + panel + gap + px);
+      const std::array<int, 3> shown{sheet.samples[at], sheet.samples[at + 1], sheet.samples[at + 2]};
+      if (colours[face][0] < 0) colours[face] = shown;
+      wrong += shown != colours[face];
+    }
+  CHECK(wrong <= 2);  // on edges
+  for (const unsigned pixels : seen) CHECK(pixels > 1'000);
+  // Lit from above, more from the front than from the side.
+  CHECK(colours[0] == std::array<int, 3>{244, 244, 240});
+  CHECK(colours[2][0] > colours[3][0]);
+  CHECK(colours[3][0] > colours[1][0]);
+  CHECK(colours[2][0] < colours[0][0]);
 }
 
 }  // namespace rtusim
