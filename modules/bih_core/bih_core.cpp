@@ -9,11 +9,13 @@
 
 namespace rtusim {
 
-bih_core::bih_core(const sc_core::sc_module_name& name, const params& p, const bih_memory& memory, unsigned index)
+bih_core::bih_core(const sc_core::sc_module_name& name, const params& p, const bih_memory& memory,
+                   const std::shared_ptr<const bih_tables>& tables, unsigned index)
     : unit(name),
       params_(p),
       memory_(memory),
-      walk_(p, memory),
+      tables_(tables),
+      walk_(p, tables),
       index_(static_cast<std::uint16_t>(index)),
       flights_(p.rays_in_flight),
       machine_(p, memory) {}
@@ -22,7 +24,7 @@ void bih_core::connect() {
   latency_cycles_ = intersector_port->latency_cycles();
   params_.result_latency_cycles = latency_cycles_;
   params_.triangle_interval_cycles = intersector_port->interval_cycles();
-  walk_ = bih_walk(params_, memory_);
+  walk_ = bih_walk(params_, tables_);
   machine_ = bih_machine(params_, memory_);
 }
 
@@ -37,43 +39,20 @@ void bih_core::accept(const triangle_job& job) {
   walk_.rest(now() - std::min(now(), free_from_));
   before_ = walk_.registers();
   flight& f = flights_[(oldest_ + in_flight_) % flights_.size()];
-  mesh_result& r = f.result = {};
   const intersector_interface& intersector = *intersector_port.operator->();
-  const std::int64_t distance_unit = intersector.distance_unit();
-  std::uint64_t nearest = 0;
-  outcome_ = walk_(job.ray, [&](std::uint32_t triangle, std::uint64_t) {
-    const triangle_outcome o = intersector.intersect(job.ray, triangle);
-    triangle_unit::stats& pairs = sums_.triangles;
-    ++pairs.pairs;
-    pairs.hits += o.hit;
-    pairs.errors += o.err;
-    pairs.wrapped += o.wrapped;
-    if (!o.hit) return no_hit;
-    if (!r.hit || o.t < nearest) {
-      nearest = o.t;
-      r.hit = true;
-      r.triangle = triangle;
-      r.t_hit = static_cast<std::int64_t>(o.t);
-      r.u = static_cast<std::int64_t>(o.u);
-      r.v = static_cast<std::int64_t>(o.v);
-    }
-    return static_cast<std::int64_t>(o.t) * distance_unit;
-  });
+  const bih_ray all = follow(walk_, job.ray, intersector.distance_unit(), intersector.lists(),
+                             [&](std::uint32_t triangle) { return intersector.intersect(job.ray, triangle); });
+  outcome_ = all.outcome;
   if (outcome_.overflow) throw bih_stack_overflow(name(), job.sequence);
+  mesh_result& r = f.result = all.result;
   r.job_word = job.job_word;
   r.sequence = job.sequence;
   r.core = index_;
-  r.cost = static_cast<std::uint32_t>(outcome_.cycles());
   accepted_ = now();
   free_from_ = now() + r.cost;
   f.available = free_from_ + latency_cycles_ + 1;
   ++in_flight_;
-  ++sums_.jobs;
-  sums_.hits += r.hit;
-  sums_.cost += r.cost;
-  sums_.missed_box += outcome_.visits.cycles() == 1;
-  sums_.deepest_stack = std::max<std::uint64_t>(sums_.deepest_stack, outcome_.max_stack);
-  sums_.visits += outcome_.visits;
+  sums_ += stats::of(all);
 }
 
 void bih_core::edge() {
@@ -171,6 +150,18 @@ void bih_core::trace(waveform& w) const {
   w.add(in_flight_, n + ".rays_in_flight", 7);
   w.add(sums_.jobs, n + ".jobs");
   w.add(sums_.hits, n + ".hits");
+}
+
+bih_core::stats bih_core::stats::of(const bih_ray& ray) {
+  stats s;
+  s.jobs = 1;
+  s.hits = ray.result.hit;
+  s.cost = ray.result.cost;
+  s.missed_box = ray.result.cost == 1;
+  s.triangles = ray.triangles;
+  s.deepest_stack = ray.outcome.max_stack;
+  s.visits = ray.outcome.visits;
+  return s;
 }
 
 bih_core::stats& bih_core::stats::operator+=(const stats& other) {

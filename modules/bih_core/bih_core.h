@@ -8,6 +8,7 @@
 
 #include "modules/bih_core/bih_machine.h"
 #include "modules/bih_core/bih_params.h"
+#include "modules/bih_core/bih_ray.h"
 #include "modules/bih_core/bih_walk.h"
 #include "modules/config/report.h"
 #include "modules/formats/triangle_job.h"
@@ -43,6 +44,8 @@ class bih_core final : public unit {
     std::uint64_t idle_cycles = 0;
     bih_visits visits;
 
+    /// One ray's.
+    static stats of(const bih_ray& ray);
     stats& operator+=(const stats& other);
     void describe(config::report& r) const;
   };
@@ -51,8 +54,9 @@ class bih_core final : public unit {
   rv_out<mesh_result> result_out{"result_out"};
   sc_core::sc_port<intersector_interface> intersector_port{"intersector_port"};
 
-  /// `memory` must have passed `check_bih` and outlive the core; `index`: which core of the RTU it is, for its results.
-  bih_core(const sc_core::sc_module_name& name, const params& p, const bih_memory& memory, unsigned index);
+  /// `memory` must have passed `check_bih` and outlive the core, `tables` are its; `index`: which core of the RTU it is, for its results.
+  bih_core(const sc_core::sc_module_name& name, const params& p, const bih_memory& memory, const std::shared_ptr<const bih_tables>& tables,
+           unsigned index);
 
   std::optional<unit_timing> timing() const override;
   /// Figures of all cycles before the next edge; a ray under way counts as far as it has come.
@@ -78,6 +82,7 @@ class bih_core final : public unit {
 
   params params_;
   const bih_memory& memory_;
+  std::shared_ptr<const bih_tables> tables_;
   bih_walk walk_;
   std::uint16_t index_;
   unsigned latency_cycles_ = 0;

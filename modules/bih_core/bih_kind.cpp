@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "modules/bih_core/bih_core.h"
+#include "modules/bih_core/bih_ray.h"
 #include "modules/core_bank/figures_of_bank.h"
 #include "modules/core_bank/typed_bank.h"
 #include "modules/job_manager/triangle_job_manager.h"
@@ -17,17 +18,21 @@ constexpr const char* when_chosen = "rtu.core = bih";
 class bih_bank final : public typed_bank<triangle_job_manager, bih_core> {
  public:
   bih_bank(const bih_kind& kind, const bank_params& p, const bih_memory& hierarchy)
-      : typed_bank({kind.words, hierarchy.corner}, p, [params = kind.core_with_widths(), &hierarchy](const char* n, std::size_t i) {
-          return new bih_core(n, params, hierarchy, static_cast<unsigned>(i));
+      : bih_bank(kind, p, hierarchy, std::make_shared<const bih_tables>(kind.words, hierarchy)) {}
+
+ private:
+  bih_bank(const bih_kind& kind, const bank_params& p, const bih_memory& hierarchy, const std::shared_ptr<const bih_tables>& tables)
+      : typed_bank({kind.words, hierarchy.corner}, p, [&, params = kind.core_with_widths()](const char* n, std::size_t i) {
+          return new bih_core(n, params, hierarchy, tables, static_cast<unsigned>(i));
         }) {
+    const auto lists = lists_of(*tables, hierarchy, kind.words, kind.intersector.errata);
     for (unsigned i = 0; i < p.cores; ++i) {
       pipelines_.push_back(std::make_unique<triangle_pipeline>(("triangle_pipeline_" + std::to_string(i)).c_str(),
-                                                               kind.intersector_with_words(), hierarchy.triangles));
+                                                               kind.intersector_with_words(), hierarchy.triangles, lists));
       core(i).intersector_port(*pipelines_.back());
     }
   }
 
- private:
   std::vector<std::unique_ptr<triangle_pipeline>> pipelines_;
 };
 

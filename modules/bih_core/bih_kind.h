@@ -43,7 +43,9 @@ class bih_kind final : public core_kind {
   void describe_units(config::schema& s, const readers& r) override;
   packet_widths packets() const override;
   unsigned fraction_bits() const override { return 0; }
-  std::string replay_obstacle() const override { return "triangle cores, in which rays overlap"; }
+  std::string replay_obstacle() const override {
+    return divider.kind == numeric::divider_kind::pipelined ? "" : "an iterative divider, which lets a ray wait for the one before";
+  }
   std::vector<named_figures> blank_figures() const override;
   std::unique_ptr<memory_contents> blank_contents() const override;
   std::unique_ptr<core_bank> build(const bank_params& p, const memory_contents& contents) const override;

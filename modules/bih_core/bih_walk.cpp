@@ -2,33 +2,34 @@
 
 namespace rtusim {
 
-bih_walk::bih_walk(const bih_core_params& p, const bih_memory& memory)
-    : params_(p), corner_(memory.corner), address_mask_(memory.address_mask()) {
-  RTU_CHECK(memory.address_bits, ==, p.address_bits);
-  const quantisation& w = p.widths;
-  // Then differences shifted up by 63 - n and reciprocals by n + 1 - C fit 64 bits, and the upper half of their product is the distance.
-  narrow_ = w.n + w.m <= 62 && w.reciprocal_bits <= w.n + 1;
-  plane_shift_ = narrow_ ? 63 - w.n : 0;
-  reciprocal_shift_ = narrow_ ? w.n + 1 - w.reciprocal_bits : 0;
-
-  const auto t = std::make_shared<tables>();
-  t->nodes.resize(memory.stack_address());
-  t->lists.resize(memory.stack_address());
+bih_tables::bih_tables(const quantisation& widths, const bih_memory& memory)
+    : address_bits(memory.address_bits),
+      corner(memory.corner),
+      // Then differences shifted up by 63 - n and reciprocals by n + 1 - C fit 64 bits, and the upper half of their product is the distance.
+      narrow(widths.n + widths.m <= 62 && widths.reciprocal_bits <= widths.n + 1),
+      plane_shift(narrow ? 63 - widths.n : 0),
+      reciprocal_shift(narrow ? widths.n + 1 - widths.reciprocal_bits : 0),
+      nodes(memory.stack_address()),
+      lists(memory.stack_address()) {
   for (std::uint32_t i = 0; i < memory.stack_address(); ++i) {
-    node& to = t->nodes[i];
+    node& to = nodes[i];
     to.axis = node_axis(memory.words[0][i]);
-    to.pointer = static_cast<std::uint32_t>(node_pointer(memory.words[0][i]) & address_mask_);
+    to.pointer = static_cast<std::uint32_t>(node_pointer(memory.words[0][i]) & memory.address_mask());
     to.sibling = to.pointer ^ (to.pointer + 1);
     to.triangles = leaf_triangles(memory.words[1][i]);
-    for (unsigned side = 0; side < 2; ++side) to.clip[side] = static_cast<std::int64_t>(memory.words[1 + side][i] << plane_shift_);
-    t->lists[i] = list_triangle(memory.words[3][i]);
+    for (unsigned side = 0; side < 2; ++side) to.clip[side] = static_cast<std::int64_t>(memory.words[1 + side][i] << plane_shift);
+    lists[i] = list_triangle(memory.words[3][i]);
   }
-  tables_ = t;
   for (std::uint32_t i = 0; i < bih_stack_words; ++i) {
     bih_words words;
     for (unsigned word = 0; word < 4; ++word) words[word] = memory.words[word][memory.stack_address() + i];
-    stack_[i] = unpack(words);
+    stack[i] = unpack(words);
   }
+}
+
+bih_walk::bih_walk(const bih_core_params& p, std::shared_ptr<const bih_tables> tables)
+    : params_(p), tables_(std::move(tables)), address_mask_((std::uint32_t{1} << p.address_bits) - 1), stack_(tables_->stack) {
+  RTU_CHECK(tables_->address_bits, ==, p.address_bits);
 }
 
 std::uint32_t bih_walk::list_word(std::uint32_t address) const {

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
+#include <cstdint>
 #include <memory>
 #include <type_traits>
 #include <utility>
@@ -13,21 +15,48 @@
 
 namespace rtusim {
 
+/// A hierarchy's words, taken apart for walks in words of these widths. All walks of a run share it.
+struct bih_tables {
+  bih_tables(const quantisation& widths, const bih_memory& memory);
+
+  struct alignas(32) node {
+    std::int64_t clip[2];  // narrow: shifted up, so that their difference wraps by itself
+    std::uint32_t pointer;
+    std::uint32_t sibling;  // left ^ right
+    std::uint32_t axis;
+    std::uint32_t triangles;
+  };
+
+  unsigned address_bits;
+  per_axis<std::int64_t> corner;  ///< upper corner of the scene's box
+  bool narrow;                    ///< differences and reciprocals fit 64 bits, shifted up
+  unsigned plane_shift;           ///< narrow: of planes and positions
+  unsigned reciprocal_shift;
+  std::vector<node> nodes;
+  std::vector<std::uint32_t> lists;                      ///< below the stack
+  std::array<bih_stack_entry, bih_stack_words> stack{};  ///< what lies at its addresses before the first ray
+};
+
 /// Walks one ray after the other to its end at once: what `bih_machine` reaches cycle by cycle, and when it issues each triangle.
 ///
 /// The words must have passed `check_bih` (`raw` at least, with the core's `empty_leaf_hangs`). Copies share them.
 class bih_walk {
  public:
-  bih_walk(const bih_core_params& p, const bih_memory& memory);
+  /// `tables`: of the core's widths.
+  bih_walk(const bih_core_params& p, std::shared_ptr<const bih_tables> tables);
+  bih_walk(const bih_core_params& p, const bih_memory& memory) : bih_walk(p, std::make_shared<bih_tables>(p.widths, memory)) {}
 
   /// `visit(triangle, clock)` is called for each triangle number with the cycle in which it is issued; the ray's AABB is cycle 0. It may
   /// return the distance of the hit as a std::int64_t, or no_hit, for `early_out` to know when the result is there.
+  ///
+  /// A visitor with a member `takes_leaves` has `leaf(first, numbers, count, hit)`, and gets the triangles of a leaf at once where one is issued a cycle: from list address
+  /// `first` on. It tells of hits alone, in their order: `hit(i, distance)`.
   template <class Visit>
   bih_outcome operator()(const quantised_ray& ray, Visit&& visit) {
     if constexpr (std::is_same_v<std::invoke_result_t<Visit&, std::uint32_t, std::uint64_t>, std::int64_t>) {
-      if (params_.early_out) return narrow_ ? walk<true, true>(ray, visit) : walk<false, true>(ray, visit);
+      if (params_.early_out) return tables_->narrow ? walk<true, true>(ray, visit) : walk<false, true>(ray, visit);
     }
-    return narrow_ ? walk<true, false>(ray, visit) : walk<false, false>(ray, visit);
+    return tables_->narrow ? walk<true, false>(ray, visit) : walk<false, false>(ray, visit);
   }
 
   /// `n` cycles pass without a ray.
@@ -42,18 +71,11 @@ class bih_walk {
   void inherit(const bih_kept& kept);
 
  private:
-  /// A node's words, taken apart.
-  struct alignas(32) node {
-    std::int64_t clip[2];  // narrow: shifted up, so that their difference wraps by itself
-    std::uint32_t pointer;
-    std::uint32_t sibling;  // left ^ right
-    std::uint32_t axis;
-    std::uint32_t triangles;
-  };
-  struct tables {
-    std::vector<node> nodes;
-    std::vector<std::uint32_t> lists;  // below the stack
-  };
+  using node = bih_tables::node;
+  template <class Visit, class = void>
+  struct visits_leaves : std::false_type {};
+  template <class Visit>
+  struct visits_leaves<Visit, std::void_t<decltype(&std::remove_reference_t<Visit>::takes_leaves)>> : std::true_type {};
 
   template <bool Narrow, bool EarlyOut, class Visit>
   bih_outcome walk(const quantised_ray& ray, Visit& visit);
@@ -61,12 +83,8 @@ class bih_walk {
   void expect(std::uint64_t clock, std::int64_t distance);
 
   bih_core_params params_;
-  std::shared_ptr<const tables> tables_;
-  per_axis<std::int64_t> corner_;
+  std::shared_ptr<const bih_tables> tables_;
   std::uint32_t address_mask_;
-  bool narrow_;
-  unsigned plane_shift_;  // narrow: of planes and positions
-  unsigned reciprocal_shift_;
   // Kept from ray to ray.
   std::int64_t tmin_ = 0, tmax_ = 0, dist0_ = 0, dist1_ = 0;
   std::uint32_t address3x_ = 0, address1x_ = 0;
@@ -83,12 +101,13 @@ class bih_walk {
 template <bool Narrow, bool EarlyOut, class Visit>
 bih_outcome bih_walk::walk(const quantised_ray& ray, Visit& visit) {
   const unsigned n = params_.widths.n;
+  const unsigned plane_shift = tables_->plane_shift;
   std::int64_t position[3], reciprocal[3];
   std::uint32_t down[3];
   for (unsigned i = 0; i < 3; ++i) {
     const std::uint64_t grid = (std::uint64_t{1} << n) - 1;
-    position[i] = static_cast<std::int64_t>((static_cast<std::uint64_t>(ray.position[i]) & grid) << plane_shift_);
-    reciprocal[i] = static_cast<std::int64_t>(static_cast<std::uint64_t>(ray.reciprocal[i]) << reciprocal_shift_);
+    position[i] = static_cast<std::int64_t>((static_cast<std::uint64_t>(ray.position[i]) & grid) << plane_shift);
+    reciprocal[i] = static_cast<std::int64_t>(static_cast<std::uint64_t>(ray.reciprocal[i]) << tables_->reciprocal_shift);
     down[i] = ray.reciprocal[i] < 0;
   }
   const auto distance = [&](std::int64_t difference, unsigned axis) {
@@ -106,8 +125,8 @@ bih_outcome bih_walk::walk(const quantised_ray& ray, Visit& visit) {
 
   bih_outcome o;
   o.visits.aabb = 1;
-  const bih_interval inside = box_interval(ray, corner_, params_, [&](std::int64_t difference, unsigned axis) {
-    return distance(static_cast<std::int64_t>(static_cast<std::uint64_t>(difference) << plane_shift_), axis);
+  const bih_interval inside = box_interval(ray, tables_->corner, params_, [&](std::int64_t difference, unsigned axis) {
+    return distance(static_cast<std::int64_t>(static_cast<std::uint64_t>(difference) << plane_shift), axis);
   });
   std::int64_t tmin = tmin_ = inside.tmin, tmax = tmax_ = inside.tmax;
   address3x_ = address1x_ = 0;
@@ -201,7 +220,17 @@ bih_outcome bih_walk::walk(const quantised_ray& ray, Visit& visit) {
       };
       if (first < list_end && count <= list_end - first) {
         const std::uint32_t* const list = lists + first;
-        for (std::uint32_t i = 0; i < count; ++i) issue(list[i], clock + i);
+        if constexpr (visits_leaves<Visit>::value) {
+          if (interval == 1) {
+            visit.leaf(first, list, count, [&](std::uint32_t i, [[maybe_unused]] std::int64_t hit_distance) {
+              if constexpr (EarlyOut) expect(clock + i, hit_distance);
+            });
+          } else {
+            for (std::uint32_t i = 0; i < count; ++i) issue(list[i], clock + i);
+          }
+        } else {
+          for (std::uint32_t i = 0; i < count; ++i) issue(list[i], clock + i);
+        }
       } else {
         for (std::uint32_t i = 0; i < count; ++i) issue(list_word((first + i) & mask), clock + i);
       }

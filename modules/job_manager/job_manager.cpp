@@ -15,6 +15,12 @@ void job_manager::trace(waveform& w) const {
   w.add(stats_.jobs, std::string(name()) + ".jobs");
 }
 
+job_manager::stats& job_manager::stats::operator+=(const stats& other) {
+  jobs += other.jobs;
+  conversion += other.conversion;
+  return *this;
+}
+
 void job_manager::stats::describe(config::report& r) const {
   r.number("jobs", jobs, "jobs", "jobs accepted");
   r.group("float_to_fixed", [this](config::report& g) { conversion.describe(g); });

@@ -29,6 +29,7 @@ class job_manager final : public pipeline_unit<job_packet, traversal_job> {
     std::uint64_t jobs = 0;
     numeric::float_to_fixed_stats conversion;
 
+    stats& operator+=(const stats& other);
     void describe(config::report& r) const;
     void warn(std::vector<std::string>& all) const { conversion.warn(all); }
   };

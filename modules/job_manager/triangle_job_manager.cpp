@@ -15,6 +15,12 @@ void triangle_job_manager::trace(waveform& w) const {
   w.add(stats_.jobs, std::string(name()) + ".jobs");
 }
 
+triangle_job_manager::stats& triangle_job_manager::stats::operator+=(const stats& other) {
+  jobs += other.jobs;
+  setup += other.setup;
+  return *this;
+}
+
 void triangle_job_manager::stats::describe(config::report& r) const {
   r.number("jobs", jobs, "jobs", "jobs accepted");
   setup.describe(r);

@@ -25,6 +25,7 @@ class triangle_job_manager final : public pipeline_unit<job_packet, triangle_job
     std::uint64_t jobs = 0;
     ray_setup_stats setup;
 
+    stats& operator+=(const stats& other);
     void describe(config::report& r) const;
     void warn(std::vector<std::string>& all) const { setup.conversion.warn(all); }
   };

@@ -79,8 +79,8 @@ BENCHMARK(walk_all)->Name("replay/walks/threads")->Arg(1)->Arg(2)->Unit(benchmar
 
 void schedule(benchmark::State& state) {
   const design d = as_built(static_cast<unsigned>(state.range(0)));
-  const walked_rays walked = walk_rays(svo_walker(d.of<svo_kind>(), dragon().words), frame_packets(), 2);
-  for (auto _ : state) benchmark::DoNotOptimize(replay(d, {}, svo_walker(d.of<svo_kind>(), dragon().words), walked, {}));
+  const auto walked = walk_rays(svo_walker(d.of<svo_kind>(), dragon().words), frame_packets(), 2);
+  for (auto _ : state) benchmark::DoNotOptimize(replay(d, {}, svo_walker(d.of<svo_kind>(), dragon().words), *walked, {}));
   per_ray(state, frame_packets().size());
 }
 BENCHMARK(schedule)->Name("replay/schedule/cores")->Arg(1)->Arg(4)->Arg(16)->Arg(64)->Unit(benchmark::kMillisecond);

@@ -25,15 +25,7 @@ std::vector<lone_unit> bih_host::units() const {
 }
 
 std::vector<std::string> bih_host::timing_only() const {
-  // Of the core the width of its addresses bounds the hierarchy.
-  return {"bih_core.exit_at_zero",
-          "bih_core.box_never_misses",
-          "bih_core.stack_wraps",
-          "bih_core.empty_leaf_hangs",
-          "bih_core.early_out",
-          "bih_core.rays_in_flight",
-          "t_div",
-          "triangle_unit"};
+  return {"bih_core.rays_in_flight"};
 }
 
 host_figures bih_host::blank_figures() const {

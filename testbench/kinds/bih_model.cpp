@@ -8,6 +8,7 @@
 #include "modules/bih_core/bih_walk.h"
 #include "modules/config/error.h"
 #include "modules/job_manager/ray_setup.h"
+#include "testbench/kinds/bih_walker.h"
 #include "testbench/kinds/checksum.h"
 #include "testbench/kinds/driver.h"
 #include "testbench/pictures/grouped.h"
@@ -55,6 +56,10 @@ std::uint64_t bih_model::walk_cycles(const design& d, const std::vector<job_pack
   return cycles;
 }
 
+std::unique_ptr<ray_walker> bih_model::walker(const design& d) const {
+  return std::make_unique<bih_walker>(d.of<bih_kind>(), model_.hierarchy);
+}
+
 frame::places bih_model::places(const design&, const std::vector<job_packet>& jobs, const frame& picture) const {
   frame::places where;
   where.points =
@@ -64,7 +69,7 @@ frame::places bih_model::places(const design&, const std::vector<job_packet>& jo
 
 loaded_model::result_keeper bih_model::keeper(const design& d, const std::vector<job_packet>& jobs, frame& picture) const {
   const auto surfaces =
-      std::make_shared<triangle_surfaces>(model_, d.of<bih_kind>().words, d.of<bih_kind>().intersector.errata.t_halved ? 2 : 1);
+      std::make_shared<triangle_surfaces>(model_, d.of<bih_kind>().words, triangle_pipeline::distance_unit_of(d.of<bih_kind>().intersector.errata));
   return [surfaces, &jobs, &picture](const traversal_result& r, std::uint64_t latency_cycles) {
     picture.store(r, latency_cycles, surfaces->at(jobs[r.sequence], static_cast<const mesh_result&>(r)));
   };

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -25,6 +26,7 @@ class bih_model final : public loaded_model {
   const memory_contents& memories() const override { return contents_; }
   void settle(design& d) const override;
   std::uint64_t walk_cycles(const design& d, const std::vector<job_packet>& jobs) const override;
+  std::unique_ptr<ray_walker> walker(const design& d) const override;
   frame::places places(const design& d, const std::vector<job_packet>& jobs, const frame& picture) const override;
   bool has_surfaces() const override { return true; }
   result_keeper keeper(const design& d, const std::vector<job_packet>& jobs, frame& picture) const override;

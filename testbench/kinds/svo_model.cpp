@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <iterator>
+#include <numeric>
 
 #include "scenes/voxels/octree_model.h"
 #include "testbench/kinds/checksum.h"
@@ -66,10 +67,11 @@ std::vector<job_packet> svo_model::list_jobs(const design& d, const ray_list& ra
 }
 
 std::uint64_t svo_model::walk_cycles(const design& d, const std::vector<job_packet>& jobs) const {
-  const walked_rays walked = walk_rays(svo_walker(d.of<svo_kind>(), octree_.words), jobs, 1);
-  std::uint64_t cycles = 0;
-  for (std::size_t i = 0; i < walked.size; ++i) cycles += walked.rays[i].cost;
-  return cycles;
+  std::vector<svo_walked> walked(jobs.size());
+  svo_way::jobs_type ignored;
+  svo_way::walk(d.of<svo_kind>(), octree_.words)(jobs.data(), jobs.size(), walked.data(), ignored);
+  return std::accumulate(walked.begin(), walked.end(), std::uint64_t{0},
+                         [](std::uint64_t sum, const svo_walked& ray) { return sum + ray.cost; });
 }
 
 std::unique_ptr<ray_walker> svo_model::walker(const design& d) const {

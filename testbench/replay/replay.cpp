@@ -1,5 +1,6 @@
 #include "testbench/replay/replay.h"
 
+#include <memory>
 #include <thread>
 
 #include "modules/config/error.h"
@@ -31,9 +32,9 @@ void check_replayable(const design& d, const surroundings& s) {
     throw input_error("--pace replay", why, "a design whose schedule follows from the costs of its rays; --pace skipping takes every one");
 }
 
-walked_rays walk_rays(const ray_walker& walk, const std::vector<job_packet>& jobs, unsigned threads) {
-  walked_rays all(jobs.size());
-  replaying::walk_in_parts walks(walk, jobs, all);
+std::unique_ptr<walked_rays> walk_rays(const ray_walker& walk, const std::vector<job_packet>& jobs, unsigned threads) {
+  auto all = walk.room(jobs.size());
+  replaying::walk_in_parts walks(walk, jobs, *all);
   replaying::joined_threads others;
   start_others(others, walks, threads);
   while (walks.walk_part()) {}
@@ -45,16 +46,16 @@ run_figures replay(const design& d, const surroundings& s, const ray_walker& wal
                    const result_handler& handler) {
   check_replayable(d, s);
   const auto schedule = walk.schedule(d, s, walked, handler);
-  schedule->advance(walked.size);
-  return schedule->finish(walked.conversion);
+  schedule->advance(walked.size());
+  return schedule->finish();
 }
 
 run_figures replay(const design& d, const surroundings& s, const ray_walker& walk, const std::vector<job_packet>& jobs, unsigned threads,
                    const result_handler& handler) {
   check_replayable(d, s);
-  walked_rays walked(jobs.size());
-  const auto schedule = walk.schedule(d, s, walked, handler);
-  replaying::walk_in_parts walks(walk, jobs, walked);
+  const auto walked = walk.room(jobs.size());
+  const auto schedule = walk.schedule(d, s, *walked, handler);
+  replaying::walk_in_parts walks(walk, jobs, *walked);
   replaying::joined_threads others;
   start_others(others, walks, threads);
   for (std::size_t walked_to = 0; walked_to < jobs.size();) {
@@ -64,7 +65,7 @@ run_figures replay(const design& d, const surroundings& s, const ray_walker& wal
     walked_to = end;
   }
   others.join();
-  return schedule->finish(walked.conversion);
+  return schedule->finish();
 }
 
 }  // namespace rtusim

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -11,7 +12,6 @@
 #include <fmt/format.h>
 
 #include "modules/config/error.h"
-#include "modules/job_manager/job_manager.h"
 #include "modules/rtu/design.h"
 #include "modules/scheduler/policies/policies.h"
 #include "modules/timing/divisor.h"
@@ -24,39 +24,46 @@ namespace rtusim::replaying {
 /// One replay. `Held`: an offered result stays and the sink is not always ready. `Policy`: of the scheduler. `Way`: what only the kind of
 /// core knows, each ray in its own type:
 ///
-///     static constexpr unsigned job_latency_cycles;                          // from accepted to dispatched at the earliest
+///     using walked_ray = ...;                          // a ray's walk, with `job_word`, `cost`, `hit`, `t_hit`; no initial values
+///     using jobs_type = ...;                           // what the job manager counts, with `jobs`
+///     using result_type = ...;                         // of a core
+///     using core_sums = ...;                           // what only these cores count, with `add(const walked_ray&)`
+///     static constexpr bool overlaps = ...;            // whether a core takes a job while results of others are on their way,
+///     unsigned rays_in_flight() const;                 // and how many
+///     unsigned result_latency_cycles() const;          // from a ray's end to its result, beside the one of its register
 ///     explicit Way(const design&);
+///     unsigned job_latency_cycles() const;             // from accepted to dispatched at the earliest
 ///     void check(const walked_ray&, unsigned core, std::uint32_t job, cycle dispatched) const;  // throws for a walk that is a fault
-///     using result_type = ...;                                               // of a core
-///     void show(unsigned core, const walked_ray&, result_type&);             // what the result bus carries, in the order of leaving
-///     /// Of the bank's units, in their order.
-///     std::vector<named_figures> figures(const job_manager::stats&, const scheduler_stats&, const std::vector<core_schedule>&,
-///                                        const result_manager_stats&) const;
+///     void show(unsigned core, const walked_ray&, result_type&);  // what the result bus carries, in the order of leaving
+///     /// Of the bank's units, in their order, after so many cycles.
+///     std::vector<named_figures> figures(const jobs_type&, const scheduler_stats&, const std::vector<core_schedule<core_sums, overlaps>>&,
+///                                        const result_manager_stats&, cycle end) const;
 template <bool Held, class Policy, class Way>
 class schedule final : public job_schedule {
  public:
-  schedule(const design& d, const surroundings& s, const walked_rays& walked, const result_handler& handler)
+  using walked_ray = typename Way::walked_ray;
+  using walked_type = walked_as<walked_ray, typename Way::jobs_type>;
+
+  schedule(const design& d, const surroundings& s, const walked_type& walked, const result_handler& handler)
       : watchdog_(s.watchdog_cycles),
         policy_(d.rtu.cores),
         walked_(walked),
         handler_(handler),
-        cores_(d.rtu.cores),
         by_cores_(d.rtu.cores),
         way_(d),
+        cores_(d.rtu.cores, core_type(way_.rays_in_flight())),
         source_(s.source),
-        stages_(stages),
-        accepted_(Held ? walked.size : 0) {
+        stages_(way_.job_latency_cycles()),
+        accepted_(Held ? walked.size() : 0) {
     if (s.sink.ready == sink_params::regime::lfsr) sink_.emplace(s.sink.seed);
     figures_.clock_mhz = d.rtu.clock_mhz;
-    jobs_.jobs = walked_.size;
   }
 
   /// Follows the jobs before `end`, which are walked.
   void advance(std::size_t end) override {
     for (; next_job_ < end; ++next_job_) replay_job(next_job_);
   }
-  run_figures finish(const numeric::float_to_fixed_stats& conversion) override {
-    jobs_.conversion = conversion;
+  run_figures finish() override {
     if constexpr (Held) follow_drains(never);
     order_.flush(last_result_ + 1, [this](cycle c, const leaving_order::result& r) { leave(c, r); });
     check_watchdog(last_dispatch_, last_result_);
@@ -65,7 +72,7 @@ class schedule final : public job_schedule {
   }
 
  private:
-  static constexpr unsigned stages = Way::job_latency_cycles;
+  using core_type = core_schedule<typename Way::core_sums, Way::overlaps>;
 
   /// The cores as a policy sees them.
   struct core_view {
@@ -94,32 +101,22 @@ class schedule final : public job_schedule {
     check_watchdog(last_dispatch_, dispatched);
     stages_.dispatch(output_from, dispatched);
     const unsigned chosen = policy_.core();
-    core_schedule& core = cores_[chosen];
+    core_type& core = cores_[chosen];
     core.idle_cycles += dispatched - core.free_from + 1;
     dispatches_.jobs.add(dispatched - output_from);
     last_dispatch_ = dispatched;
     way_.check(ray, chosen, j, dispatched);
 
-    ++core.jobs;
-    core.hits += ray.hit;
-    core.cost += ray.cost;
-    core.pushes += ray.pushes;
-    core.depth += ray.depth;
-    core.ends += !ray.hit && ray.cost > 2;
+    core.sums.add(ray);
     auto& waits = figures_.results.waits;
-    waits.dispatch_cycles += dispatched - accepted - stages;
-    waits.traversal_cycles += ray.cost + std::uint64_t{1};
+    waits.dispatch_cycles += dispatched - accepted - way_.job_latency_cycles();
+    const cycle done = dispatched + ray.cost + 1 + way_.result_latency_cycles();
+    waits.traversal_cycles += done - dispatched;
 
-    const cycle done = dispatched + ray.cost + 1;
     if constexpr (Held) {
       accepted_[j] = accepted;
-      core.free_from = never;
-      if (core.buffered == never) {
-        fill_buffer(core, done, j);
-      } else {
-        core.done = done;
-        core.next_job = j;
-      }
+      core.dispatch(dispatched + ray.cost, done, j);
+      if (core.buffered == never) fill_buffer(core, never);
     } else {
       const cycle buffered = core.drained == never ? done : std::max(done, core.drained + 1);
       // The select meets the buffer every N cycles, core i's in cycle i at first; in each such cycle it is offered.
@@ -133,9 +130,9 @@ class schedule final : public job_schedule {
         }
       }
       result_valid_cycles_ += offers;
-      core.free_from = buffered + 1;
+      core.dispatch(dispatched + ray.cost, done, j);
+      core.take(buffered);
       core.drained = drained;
-      core.waited_cycles += buffered - done;
       core.full_cycles += drained - buffered;
       results_.results.add(drained - buffered);
       last_result_ = std::max(last_result_, drained);
@@ -145,11 +142,11 @@ class schedule final : public job_schedule {
       order_.flush(dispatched, [this](cycle c, const leaving_order::result& r) { leave(c, r); });
   }
 
-  void fill_buffer(core_schedule& core, cycle buffered, std::uint32_t job) {
-    core.buffered = buffered;
-    core.job = job;
-    core.done = never;
-    core.free_from = buffered + 1;
+  /// The core's next result comes to the buffer, which the last one left in cycle `drained`, if there was one.
+  void fill_buffer(core_type& core, cycle drained) {
+    const cycle done = core.offered();
+    core.buffered = drained == never ? done : std::max(done, drained + 1);
+    core.job = core.take(core.buffered);
     ++outstanding_;
   }
 
@@ -162,7 +159,7 @@ class schedule final : public job_schedule {
         turn_cycle_ = end + 1;
         return;
       }
-      core_schedule& core = cores_[turn_];
+      core_type& core = cores_[turn_];
       cycle drained = turn_cycle_;
       if (core.buffered != never && core.buffered < turn_cycle_) {
         drained = sink_->next(turn_cycle_);
@@ -173,13 +170,10 @@ class schedule final : public job_schedule {
         last_result_ = std::max(last_result_, drained);
         order_.add(drained, {core.job, turn_, drained - accepted_[core.job]});
         --outstanding_;
-        if (core.done != never) {
-          const cycle buffered = std::max(core.done, drained + 1);
-          core.waited_cycles += buffered - core.done;
-          fill_buffer(core, buffered, core.next_job);
-        } else {
+        if (core.offered() != never)
+          fill_buffer(core, drained);
+        else
           core.buffered = never;
-        }
       }
       turn_cycle_ = drained + 1;
       turn_ = turn_ + 1 < cores_.size() ? turn_ + 1 : 0;
@@ -212,12 +206,10 @@ class schedule final : public job_schedule {
   /// The figures that follow from the sums.
   void collect() {
     const cycle end = last_result_ + 1;
-    const std::uint64_t jobs = walked_.size;
+    const std::uint64_t jobs = walked_.size();
     auto& waits = figures_.results.waits;
-    waits.conversion_cycles = jobs * stages;
-    for (const auto& core : cores_) {
-      waits.buffer_cycles += core.waited_cycles;
-    }
+    waits.conversion_cycles = jobs * way_.job_latency_cycles();
+    for (const auto& core : cores_) waits.buffer_cycles += core.waited_cycles;
     const auto channel = [&](std::string name, std::uint64_t transfers, std::uint64_t valid, std::uint64_t ready) {
       figures_.channels.emplace_back(std::move(name),
                                      channel_stats{transfers, ready - transfers, valid - transfers, end + transfers - valid - ready});
@@ -225,28 +217,28 @@ class schedule final : public job_schedule {
     waits.result_cycles = results_.results.cycles;
     channel("pending_job", jobs, jobs + dispatches_.jobs.cycles, policy_.ready_cycles(end, core_view{*this}));
     for (unsigned i = 0; i < cores_.size(); ++i) {
-      core_schedule& core = cores_[i];
+      core_type& core = cores_[i];
       core.idle_cycles += cycles_from(core.free_from, 0, end);
       channel(fmt::format("core_job_{}", i), core.jobs, policy_.valid_cycles(i), core.idle_cycles);
     }
     for (unsigned i = 0; i < cores_.size(); ++i)
-      channel(fmt::format("core_result_{}", i), cores_[i].jobs, cores_[i].jobs + cores_[i].waited_cycles, end - cores_[i].full_cycles);
+      channel(fmt::format("core_result_{}", i), cores_[i].jobs, cores_[i].jobs + cores_[i].back_pressured_cycles(),
+              end - cores_[i].full_cycles);
     channel("job", jobs, source_.valid_cycles(), end - stages_.stalled());
     channel("result", jobs, result_valid_cycles_, sink_ ? sink_->count(0, end) : end);
 
-    figures_.units = way_.figures(jobs_, dispatches_, cores_, results_);
+    figures_.units = way_.figures(walked_.jobs, dispatches_, cores_, results_, end);
   }
 
   cycle watchdog_;
   typename Policy::schedule policy_;
-  const walked_rays& walked_;
+  const walked_type& walked_;
   const result_handler& handler_;
-  job_manager::stats jobs_;
   scheduler_stats dispatches_;
   result_manager_stats results_;
-  std::vector<core_schedule> cores_;
   divisor by_cores_;
   Way way_;
+  std::vector<core_type> cores_;
   source_schedule source_;
   stages_schedule stages_;
   std::optional<lfsr> sink_;
@@ -266,7 +258,8 @@ class schedule final : public job_schedule {
 
 /// The schedule for a design's policy and a run's sink.
 template <class Way>
-std::unique_ptr<job_schedule> schedule_for(const design& d, const surroundings& s, const walked_rays& walked,
+std::unique_ptr<job_schedule> schedule_for(const design& d, const surroundings& s,
+                                           const walked_as<typename Way::walked_ray, typename Way::jobs_type>& walked,
                                            const result_handler& handler) {
   const bool held = !d.result_manager_.valid_withdrawn && s.sink.ready != sink_params::regime::always;
   return scheduler_policies::with(d.scheduler_.select, [&](auto policy) -> std::unique_ptr<job_schedule> {
@@ -275,5 +268,35 @@ std::unique_ptr<job_schedule> schedule_for(const design& d, const surroundings& 
     return std::make_unique<schedule<false, chosen, Way>>(d, s, walked, handler);
   });
 }
+
+/// Walks rays as `Way` says:
+///
+///     class Way::walk;  // copyable, one for each thread
+///     void walk::operator()(const job_packet*, std::size_t count, walked_ray* to, jobs_type&);  // adds to what the job manager counts
+template <class Way>
+class walker final : public ray_walker {
+ public:
+  template <class... Arguments>
+  explicit walker(const Arguments&... arguments) : walk_(arguments...) {}
+
+  std::unique_ptr<walked_rays> room(std::size_t jobs) const override { return std::make_unique<walked_type>(jobs); }
+  void walk(const job_packet* jobs, std::size_t first, std::size_t end, walked_rays& to) const override {
+    auto& all = static_cast<walked_type&>(to);
+    typename Way::walk one = walk_;
+    typename Way::jobs_type counted;
+    one(jobs + first, end - first, &all.rays[first], counted);
+    counted.jobs += end - first;
+    all.add(counted);
+  }
+  std::unique_ptr<job_schedule> schedule(const design& d, const surroundings& s, const walked_rays& walked,
+                                         const result_handler& handler) const override {
+    return schedule_for<Way>(d, s, static_cast<const walked_type&>(walked), handler);
+  }
+
+ private:
+  using walked_type = walked_as<typename Way::walked_ray, typename Way::jobs_type>;
+
+  typename Way::walk walk_;
+};
 
 }  // namespace rtusim::replaying

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -45,7 +44,7 @@ class source_schedule {
 /// The job manager's stages, which stand still from the cycle in which a job is at the output to the one that dispatches it.
 class stages_schedule {
  public:
-  explicit stages_schedule(unsigned stages) : stages_(stages) {}
+  explicit stages_schedule(unsigned stages) : stages_(stages), stalls_(power_of_two(stages + 2)) {}
 
   /// The first cycle >= c in which the stages move, so that a job can be accepted.
   cycle next_move(cycle c) {
@@ -72,10 +71,15 @@ class stages_schedule {
   struct interval {
     cycle from, to;
   };  // stands still in [from, to)
-  interval& stall(std::uint64_t i) { return stalls_[i % stalls_.size()]; }
+  static std::size_t power_of_two(std::size_t least) {
+    std::size_t size = 1;
+    while (size < least) size *= 2;
+    return size;
+  }
+  interval& stall(std::uint64_t i) { return stalls_[i & (stalls_.size() - 1)]; }
 
   unsigned stages_;
-  std::array<interval, 8> stalls_{};  // no more than the stages can hold lie ahead of a job being accepted
+  std::vector<interval> stalls_;  // a ring: no more than the stages can hold lie ahead of a job being accepted
   std::uint64_t first_ = 0, last_ = 0;
   std::uint64_t stalled_ = 0;         // cycles of all stalls so far
   std::uint64_t stalled_before_ = 0;  // and of those before `first_`
@@ -138,20 +142,92 @@ class leaving_order {
   std::vector<std::uint64_t> taken_ = std::vector<std::uint64_t>(4096 / 64);
 };
 
-/// A core with its result buffer.
-struct core_schedule {
+/// What both kinds of `core_schedule` have.
+template <class Sums>
+struct core_times {
   cycle free_from = 0;    ///< it takes a job from this cycle on; never while that is not known
   cycle drained = never;  ///< when the last result left the buffer
-  // Where drains are followed in time: the result in the buffer or on its way there, and the one after it.
+  // Where drains are followed in time: the result in the buffer or on its way there.
   cycle buffered = never;  ///< when it came, or comes, to the buffer
   std::uint32_t job = 0;
-  cycle done = never;  ///< a result waits for the buffer, or will, from this cycle on
-  std::uint32_t next_job = 0;
 
-  std::uint64_t jobs = 0, hits = 0, cost = 0, pushes = 0, depth = 0, ends = 0;
+  std::uint64_t jobs = 0;
+  Sums sums;                        ///< what only the kind of core counts
   std::uint64_t idle_cycles = 0;    ///< ready for a job
-  std::uint64_t waited_cycles = 0;  ///< done, and the buffer full
+  std::uint64_t waited_cycles = 0;  ///< of results that are done, until the buffer takes them
   std::uint64_t full_cycles = 0;    ///< of the buffer
+};
+
+/// A core with its result buffer. It has one ray at a time, from the job to the buffer.
+template <class Sums, bool Overlaps>
+struct core_schedule : core_times<Sums> {
+  explicit core_schedule(unsigned /*rays_in_flight*/) {}
+
+  /// Its ray ends, and the result is there from cycle `done_` on.
+  void dispatch(cycle /*end*/, cycle done, std::uint32_t which) {
+    ++this->jobs;
+    done_ = done;
+    next_job_ = which;
+    this->free_from = never;
+  }
+  /// From when on a result waits, or will wait, for the buffer; never if there is none.
+  cycle offered() const { return done_; }
+  /// The buffer takes it in cycle c; of which job it is.
+  std::uint32_t take(cycle c) {
+    this->waited_cycles += c - done_;
+    this->free_from = c + 1;
+    done_ = never;
+    return next_job_;
+  }
+  /// Cycles in which the buffer let a result wait.
+  std::uint64_t back_pressured_cycles() const { return this->waited_cycles; }
+
+ private:
+  cycle done_ = never;
+  std::uint32_t next_job_ = 0;
+};
+
+/// It takes a job as its ray ends, while less than so many results wait or are on their way; they reach the buffer in the order of the jobs.
+template <class Sums>
+struct core_schedule<Sums, true> : core_times<Sums> {
+  explicit core_schedule(unsigned rays_in_flight) : flights_(rays_in_flight) {}
+
+  void dispatch(cycle end, cycle done, std::uint32_t which) {
+    flights_[this->jobs++ % flights_.size()] = {done, never, which};
+    end_ = end;
+    settle();
+  }
+  cycle offered() const { return taken_ == this->jobs ? never : flights_[taken_ % flights_.size()].done; }
+  std::uint32_t take(cycle c) {
+    flight& f = flights_[taken_++ % flights_.size()];
+    this->waited_cycles += c - f.done;
+    back_pressured_ += c - std::max(f.done, last_taken_ + 1);
+    f.taken = last_taken_ = c;
+    settle();
+    return f.which;
+  }
+  std::uint64_t back_pressured_cycles() const { return back_pressured_; }
+
+ private:
+  struct flight {
+    cycle done = 0;
+    cycle taken = never;
+    std::uint32_t which = 0;
+  };
+
+  void settle() {
+    this->free_from = end_;
+    if (this->jobs < flights_.size()) return;
+    // The place of the next job is that of the result that has to be gone by then.
+    const cycle gone = flights_[this->jobs % flights_.size()].taken;
+    this->free_from = gone == never ? never : std::max(end_, gone + 1);
+  }
+
+  std::vector<flight> flights_;  // a ring
+  std::uint64_t taken_ = 0;
+  cycle end_ = 0;             // of the last ray
+  cycle last_taken_ = never;  // never + 1 is 0
+  std::uint64_t back_pressured_ = 0;
 };
 
 }  // namespace rtusim::replaying

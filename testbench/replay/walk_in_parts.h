@@ -4,7 +4,6 @@
 #include <atomic>
 #include <cstddef>
 #include <functional>
-#include <mutex>
 #include <system_error>
 #include <thread>
 #include <utility>
@@ -24,13 +23,7 @@ class walk_in_parts {
   bool walk_part() {
     const std::size_t n = next_.fetch_add(1, std::memory_order_relaxed);
     if (n >= done_.size()) return false;
-    numeric::float_to_fixed_stats conversion;
-    const std::size_t first = n * part;
-    walk_(jobs_.data() + first, std::min(part, jobs_.size() - first), all_.rays.get() + first, conversion);
-    {
-      const std::lock_guard lock(sums_);
-      all_.conversion += conversion;
-    }
+    walk_.walk(jobs_.data(), n * part, std::min((n + 1) * part, jobs_.size()), all_);
     done_[n].store(true, std::memory_order_release);
     return true;
   }
@@ -48,7 +41,6 @@ class walk_in_parts {
   const ray_walker& walk_;
   const std::vector<job_packet>& jobs_;
   walked_rays& all_;
-  std::mutex sums_;
   std::atomic<std::size_t> next_{0};
   std::vector<std::atomic<bool>> done_;
   std::size_t seen_ = 0;

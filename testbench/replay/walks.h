@@ -1,12 +1,12 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <memory>
+#include <mutex>
+#include <utility>
 #include <vector>
 
 #include "modules/formats/packets.h"
-#include "modules/numeric/float_to_fixed.h"
 #include "modules/rtu/design.h"
 #include "testbench/bench/run_figures.h"
 #include "testbench/bench/scoreboard.h"
@@ -14,26 +14,38 @@
 
 namespace rtusim {
 
-/// What a ray's traversal comes to, without the design's timing. Has no initial values: a frame's are written by the threads that
-/// walk, and not before.
-struct walked_ray {
-  std::int64_t t_hit;  ///< of a hit
-  std::uint32_t job_word;
-  std::uint32_t cost;
-  std::uint32_t pushes;
-  std::uint8_t depth;
-  std::int8_t axis;  ///< of a hit
-  bool hit;
-  bool overflow;
+/// What becomes of all jobs of a run, in their order, without the design's timing. It serves every core count, policy, source and sink. What
+/// a kind of core keeps of a ray is its own: see `walked_as`.
+class walked_rays {
+ public:
+  virtual ~walked_rays() = default;
+  walked_rays(const walked_rays&) = delete;
+  walked_rays& operator=(const walked_rays&) = delete;
+
+  std::size_t size() const { return size_; }
+
+ protected:
+  explicit walked_rays(std::size_t size) : size_(size) {}
+
+ private:
+  std::size_t size_;
 };
 
-/// The walks of all jobs of a run, in their order. They serve every core count, policy, source and sink.
-struct walked_rays {
-  explicit walked_rays(std::size_t count) : rays(new walked_ray[count]), size(count) {}
+/// `Ray` has no initial values: a frame's are written by the threads that walk, and not before. `Jobs`: what a job manager counts.
+template <class Ray, class Jobs>
+class walked_as final : public walked_rays {
+ public:
+  explicit walked_as(std::size_t count) : walked_rays(count), rays(new Ray[count]) {}
+  void add(const Jobs& counted) {
+    const std::lock_guard lock(adding_);
+    jobs += counted;
+  }
 
-  std::unique_ptr<walked_ray[]> rays;
-  std::size_t size;
-  numeric::float_to_fixed_stats conversion;
+  std::unique_ptr<Ray[]> rays;
+  Jobs jobs;
+
+ private:
+  std::mutex adding_;
 };
 
 namespace replaying {
@@ -44,7 +56,8 @@ class job_schedule {
   virtual ~job_schedule() = default;
   /// Follows the jobs before `end`, which are walked.
   virtual void advance(std::size_t end) = 0;
-  virtual run_figures finish(const numeric::float_to_fixed_stats& conversion) = 0;
+  /// All are.
+  virtual run_figures finish() = 0;
 };
 
 }  // namespace replaying
@@ -53,14 +66,16 @@ class job_schedule {
 class ray_walker {
  public:
   virtual ~ray_walker() = default;
-  /// Converts and walks `count` jobs; adds to `conversion`.
-  virtual void operator()(const job_packet* jobs, std::size_t count, walked_ray* to, numeric::float_to_fixed_stats& conversion) const = 0;
+  /// Where the walks of so many jobs go.
+  virtual std::unique_ptr<walked_rays> room(std::size_t jobs) const = 0;
+  /// Makes ready and walks the jobs [first, end).
+  virtual void walk(const job_packet* jobs, std::size_t first, std::size_t end, walked_rays& to) const = 0;
   /// The schedule of a run of which `walked` is to have the walks; see `replaying::schedule_for`. All arguments must outlive it.
   virtual std::unique_ptr<replaying::job_schedule> schedule(const design& d, const surroundings& s, const walked_rays& walked,
                                                             const result_handler& handler) const = 0;
 };
 
 /// Walks all jobs, to keep the walks for several designs. The outcome does not depend on the number of threads.
-walked_rays walk_rays(const ray_walker& walk, const std::vector<job_packet>& jobs, unsigned threads);
+std::unique_ptr<walked_rays> walk_rays(const ray_walker& walk, const std::vector<job_packet>& jobs, unsigned threads);
 
 }  // namespace rtusim

@@ -36,7 +36,7 @@ run_inputs::run_inputs(run_setup& s, const std::filesystem::path& job_file, unsi
 }
 
 void run_inputs::walk(const run_setup& s, unsigned threads) {
-  if (quickest_pace(s) == run_pace::replay) walked.emplace(walk_rays(*model->walker(s.hardware), sent.packets, threads));
+  if (quickest_pace(s) == run_pace::replay) walked = walk_rays(*model->walker(s.hardware), sent.packets, threads);
 }
 
 traced_run trace(const run_setup& s, const run_inputs& inputs, const run_manner& manner) {

@@ -40,7 +40,7 @@ struct run_inputs {
 
   std::unique_ptr<loaded_model> model;
   sent_jobs sent;
-  std::optional<walked_rays> walked;
+  std::unique_ptr<const walked_rays> walked;  ///< null where nobody shares them
   nlohmann::ordered_json record;  ///< sizes and checksums; files by their names, those that nobody gave empty
 };
 

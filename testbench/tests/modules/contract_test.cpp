@@ -378,7 +378,7 @@ TEST_CASE("contract: svo_core, bih_core", "[timing]") {
     triangle_pipeline pipeline;
     bih_core core;
     triangles(const bih_core_params& p, const triangle_unit_params& intersector, const bih_memory& m)
-        : pipeline("pipeline", intersector, m.triangles), core("unit", p, m, 0) {
+        : pipeline("pipeline", intersector, m.triangles), core("unit", p, m, std::make_shared<const bih_tables>(p.widths, m), 0) {
       core.intersector_port(pipeline);
     }
   };

@@ -13,44 +13,60 @@
 namespace rtusim::test {
 namespace {
 
-/// What a schedule has to know of the cores.
+/// What a replay has to know of the cores.
 class probe_way {
  public:
+  struct walked_ray {
+    std::int64_t t_hit;
+    std::uint32_t job_word;
+    std::uint32_t cost;
+    bool hit;
+  };
+  using jobs_type = job_manager::stats;
   using result_type = traversal_result;
-  static constexpr unsigned job_latency_cycles = job_manager::latency_cycles;
+  struct core_sums {
+    std::uint64_t hits = 0, cost = 0;
+
+    void add(const walked_ray& ray) {
+      hits += ray.hit;
+      cost += ray.cost;
+    }
+  };
+  static constexpr bool overlaps = false;
+
+  class walk {
+   public:
+    explicit walk(const probe_kind& kind) : converter_(kind.jobs.format, kind.jobs.conversion), cost_(kind.core.latency_cycles) {}
+
+    void operator()(const job_packet* jobs, std::size_t count, walked_ray* to, jobs_type& counted) const {
+      traversal_job job;
+      for (std::size_t i = 0; i < count; ++i) {
+        convert(jobs[i], converter_, counted.conversion, job);
+        const probe_outcome o = probe(job);
+        to[i] = {o.t, job.job_word, cost_, o.hit};
+      }
+    }
+
+   private:
+    numeric::float_to_fixed_converter converter_;
+    std::uint32_t cost_;
+  };
 
   explicit probe_way(const design&) {}
 
+  unsigned job_latency_cycles() const { return job_manager::latency_cycles; }
+  unsigned rays_in_flight() const { return 1; }
+  unsigned result_latency_cycles() const { return 0; }
   void show(unsigned, const walked_ray& ray, traversal_result& r) { r.t_hit = ray.hit ? ray.t_hit : 0; }
   void check(const walked_ray&, unsigned, std::uint32_t, cycle) const {}
-  std::vector<named_figures> figures(const job_manager::stats& jobs, const scheduler_stats& dispatches,
-                                     const std::vector<replaying::core_schedule>& cores, const result_manager_stats& results) const {
+  std::vector<named_figures> figures(const jobs_type& jobs, const scheduler_stats& dispatches,
+                                     const std::vector<replaying::core_schedule<core_sums, overlaps>>& cores,
+                                     const result_manager_stats& results, cycle) const {
     std::vector<probe_core::stats> all;
-    for (const auto& core : cores) all.push_back({core.jobs, core.hits, core.idle_cycles, core.cost, core.jobs + core.waited_cycles});
+    for (const auto& core : cores)
+      all.push_back({core.jobs, core.sums.hits, core.idle_cycles, core.sums.cost, core.jobs + core.waited_cycles});
     return figures_of_bank(jobs, dispatches, all, results);
   }
-};
-
-class probe_walker final : public ray_walker {
- public:
-  explicit probe_walker(const probe_kind& kind) : converter_(kind.jobs.format, kind.jobs.conversion), cost_(kind.core.latency_cycles) {}
-
-  void operator()(const job_packet* jobs, std::size_t count, walked_ray* to, numeric::float_to_fixed_stats& conversion) const override {
-    traversal_job job;
-    for (std::size_t i = 0; i < count; ++i) {
-      convert(jobs[i], converter_, conversion, job);
-      const probe_outcome o = probe(job);
-      to[i] = {o.t, job.job_word, cost_, 0, 0, no_axis, o.hit, false};
-    }
-  }
-  std::unique_ptr<replaying::job_schedule> schedule(const design& d, const surroundings& s, const walked_rays& walked,
-                                                    const result_handler& handler) const override {
-    return replaying::schedule_for<probe_way>(d, s, walked, handler);
-  }
-
- private:
-  numeric::float_to_fixed_converter converter_;
-  std::uint32_t cost_;
 };
 
 class probe_model final : public loaded_model {
@@ -59,7 +75,9 @@ class probe_model final : public loaded_model {
   std::uint64_t walk_cycles(const design& d, const std::vector<job_packet>& jobs) const override {
     return jobs.size() * d.of<probe_kind>().core.latency_cycles;
   }
-  std::unique_ptr<ray_walker> walker(const design& d) const override { return std::make_unique<probe_walker>(d.of<probe_kind>()); }
+  std::unique_ptr<ray_walker> walker(const design& d) const override {
+    return std::make_unique<replaying::walker<probe_way>>(d.of<probe_kind>());
+  }
   result_keeper keeper(const design&, const std::vector<job_packet>&, frame& picture) const override {
     return [&picture](const traversal_result& r, std::uint64_t latency_cycles) { picture.store(r, latency_cycles); };
   }

@@ -64,7 +64,8 @@ struct core_with_intersector {
 
   core_with_intersector(const bih_core_params& p, const bih_memory& memory, numeric::divider_kind divider, channel<triangle_job>& in,
                         channel<mesh_result>& out)
-      : pipeline("triangle_pipeline", {test::triangles_as_built, {}, divider}, memory.triangles), core("bih_core", p, memory, 0) {
+      : pipeline("triangle_pipeline", {test::triangles_as_built, {}, divider}, memory.triangles),
+        core("bih_core", p, memory, std::make_shared<const bih_tables>(p.widths, memory), 0) {
     core.job_in(in);
     core.result_out(out);
     core.intersector_port(pipeline);

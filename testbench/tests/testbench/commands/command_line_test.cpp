@@ -384,8 +384,9 @@ TEST_CASE("command line: a mesh that triangle cores can't trace is refused with 
       {"more levels than the stack has entries", bih("deep.obj", {"--set", "bih_builder.leaf_triangles=1"}),
        "a ray may push 32 entries on its way here; expected at most 31"},
       {"an octree", bih(dragon), "dragon_32.svo: voxels, which triangle cores can't trace; expected a mesh"},
-      {"a replay", bih(teapot, {"--pace", "replay"}),
-       "--pace replay: triangle cores, in which rays overlap; expected a design whose schedule follows from the costs of its rays"},
+      {"a replay", bih(teapot, {"--pace", "replay", "--set", "t_div.kind=iterative"}),
+       "--pace replay: an iterative divider, which lets a ray wait for the one before; expected a design whose schedule follows from the "
+       "costs of its rays"},
   };
   for (const refusal& r : all) check_refused(folder, r);
   const words view{"--set", "frame.width=8", "--set", "frame.height=6"};

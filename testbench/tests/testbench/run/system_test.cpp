@@ -62,7 +62,7 @@ outcome replay_of(const design& d, const surroundings& s, const svo_image& image
     outcome o{log_header, ""};
     const auto note = [&](cycle c, const traversal_result& r, std::uint64_t) { o.log += log_line(c, r); };
     const svo_walker walk(d.of<svo_kind>(), image.words);
-    const run_figures figures = kept_walks ? replay(d, s, walk, walk_rays(walk, jobs, 2), note) : replay(d, s, walk, jobs, 2, note);
+    const run_figures figures = kept_walks ? replay(d, s, walk, *walk_rays(walk, jobs, 2), note) : replay(d, s, walk, jobs, 2, note);
     config::report report;
     figures.describe(report);
     o.statistics = report.values().dump();

@@ -20,7 +20,9 @@
 
 #include "modules/config/error.h"
 #include "testbench/kinds/bih_model.h"
+#include "testbench/kinds/bih_walker.h"
 #include "testbench/kinds/svo_model.h"
+#include "testbench/kinds/svo_walker.h"
 #include "testbench/replay/replay.h"
 #include "testbench/tests/scratch.h"
 
@@ -214,8 +216,8 @@ struct shared {
   per_axis<std::int64_t> corner{};
   std::vector<std::array<std::int64_t, 10>> triangles;
   std::vector<std::array<std::uint32_t, 8>> jobs;
-  std::vector<std::array<std::int64_t, 8>> walks;  // with `cost` and the place of the hit
-  std::array<double, 7> place{};                   // of the model in the world
+  std::vector<std::vector<std::int64_t>> walks;  // with `cost` and the place of the hit
+  std::array<double, 7> place{};                 // of the model in the world
   unsigned edge_shift = 0;
   std::uint64_t overflows = 0;
   std::string refusal;
@@ -242,15 +244,23 @@ shared shared_of(const run_setup& s) {
       const grid_mapping& g = t->grid;
       all.place = {g.scale, g.centre[0], g.centre[1], g.centre[2], g.corner[0], g.corner[1], g.corner[2]};
       all.edge_shift = t->edge_shift;
+      const auto rays = walk_rays(*model->walker(s.hardware), sent.packets, 1);
+      const auto& walked = dynamic_cast<const walked_as<bih_way::walked_ray, bih_way::jobs_type>&>(*rays);
+      for (std::size_t i = 0; i < walked.size(); ++i) {
+        const bih_way::walked_ray& r = walked.rays[i];
+        all.walks.push_back({r.job_word, r.cost, r.hit, r.triangle, r.t_hit, r.u, r.v, r.inner, r.push, r.pop, r.leaf, r.pairs, r.hits,
+                             r.errors, r.wrapped, r.max_stack, r.overflow});
+      }
       return all;
     }
     all.octree = dynamic_cast<const svo_model&>(*model).octree();
-    const walked_rays walked = walk_rays(*model->walker(s.hardware), sent.packets, 1);
-    for (std::size_t i = 0; i < walked.size; ++i) {
-      const walked_ray& r = walked.rays[i];
+    const auto rays = walk_rays(*model->walker(s.hardware), sent.packets, 1);
+    const auto& walked = dynamic_cast<const walked_as<svo_way::walked_ray, svo_way::jobs_type>&>(*rays);
+    for (std::size_t i = 0; i < walked.size(); ++i) {
+      const svo_walked& r = walked.rays[i];
       all.walks.push_back({r.job_word, r.cost, r.pushes, r.depth, r.hit, r.overflow, r.hit ? r.t_hit : 0, r.hit ? r.axis : 0});
     }
-    all.overflows = walked.conversion.overflows;
+    all.overflows = walked.jobs.conversion.overflows;
   } catch (const input_error& e) {
     all.refusal = e.what();
   }
@@ -258,8 +268,13 @@ shared shared_of(const run_setup& s) {
 }
 
 /// What rays' walks, their packets and the model in the memories depend on. All else leaves them as they are.
-const std::set<std::string> walked_on{"scene",    "frame",  "camera",       "driver",      "fixed_point",           "float_to_fixed",
-                                      "svo_core", "memory", "quantisation", "bih_builder", "bih_core.address_bits", "rtu.core"};
+const std::set<std::string> walked_on{
+    "scene",         "frame",   "camera",       "driver",      "fixed_point",           "float_to_fixed",
+    "svo_core",      "memory",  "quantisation", "bih_builder", "bih_core.address_bits", "bih_core.early_out",
+    "triangle_unit", "rtu.core"};
+/// What they may depend on, though not here: on ties, rays beside the box, deep stacks, leaves without triangles; and the divider that no replay covers.
+const std::set<std::string> walked_on_elsewhere{"bih_core.exit_at_zero", "bih_core.box_never_misses", "bih_core.stack_wraps",
+                                                "bih_core.empty_leaf_hangs", "t_div"};
 
 }  // namespace
 
@@ -327,7 +342,7 @@ TEST_CASE("sweep identity: points share their walks exactly where these are the 
           CHECK(two[0].identity != two[1].identity);
           CHECK(two[0].name != two[1].name);
           const bool same_key = two[0].walk == two[1].walk;
-          CHECK(same_key == !is_among(walked_on, p.key));
+          CHECK(same_key == !(is_among(walked_on, p.key) || is_among(walked_on_elsewhere, p.key)));
           const bool same_walks = shared_of(*plan.setup(plan.points()[1])) == before;
           if (same_key) CHECK(same_walks);
           (same_walks ? kept : changed).insert(p.key);
@@ -340,9 +355,9 @@ TEST_CASE("sweep identity: points share their walks exactly where these are the 
     CHECK(std::any_of(changed.begin(), changed.end(), [&](const std::string& c) { return is_among({key}, c); }));
   }
   // And of all else nothing was, so that points do share.
-  for (const char* key : {"rtu.cores", "rtu.clock_mhz", "scheduler.policy", "result_manager.valid_withdrawn", "source.valid",
-                          "source.gap_cycles", "source.interval_cycles", "source.seed", "sink.ready", "sink.seed", "watchdog.cycles",
-                          "bih_core.rays_in_flight", "bih_core.early_out", "t_div.kind", "triangle_unit.t_halved"}) {
+  for (const char* key :
+       {"rtu.cores", "rtu.clock_mhz", "scheduler.policy", "result_manager.valid_withdrawn", "source.valid", "source.gap_cycles",
+        "source.interval_cycles", "source.seed", "sink.ready", "sink.seed", "watchdog.cycles", "bih_core.rays_in_flight"}) {
     CAPTURE(key);
     CHECK(kept.count(key) == 1);
     CHECK(changed.count(key) == 0);

@@ -265,16 +265,20 @@ TEST_CASE("sweep: two machines' shares make one table", "[testbench]") {
   check_same_tables(folder, "whole", "out");
 }
 
-TEST_CASE("sweep: triangle cores are simulated, and run again to the byte", "[testbench]") {
+TEST_CASE("sweep: triangle cores are replayed where that covers them, and run again to the byte", "[testbench]") {
   const sweep_folder folder;
-  const std::string lines = "[sweep]\nscenes = [\"mesh.toml\"]\n[set]\n\"rtu.core\" = \"bih\"\n[axes]\n\"rtu.cores\" = [1, 2, 4]\n";
+  const std::string lines =
+      "[sweep]\nscenes = [\"mesh.toml\"]\n[set]\n\"rtu.core\" = \"bih\"\n[axes]\n\"rtu.cores\" = [1, 4]\n"
+      "\"t_div.kind\" = [\"pipelined\", \"iterative\"]\n";
   CHECK(folder.sweep(lines, "out", {"-j", "3"}).err.empty());
   CHECK(folder.sweep(lines, "one").status == 0);
   check_same_tables(folder, "out", "one");
-  CHECK(column(folder / "out/results.csv", "reason") == words{"", "", ""});
+  CHECK(column(folder / "out/results.csv", "reason") == words{"", "", "", ""});
   for (const std::string& point : column(folder / "out/results.csv", "point")) {
     const std::string stats = "out/points/" + point + "/stats.json";
-    CHECK(nlohmann::json::parse(bytes_of(folder / stats))["simulator"]["pace"] == "skipping");
+    const auto record = nlohmann::json::parse(bytes_of(folder / stats));
+    const bool covered = record["parameters"]["t_div"]["kind"] == "pipelined";
+    CHECK(record["simulator"]["pace"] == (covered ? "replay" : "skipping"));
     const std::string beside = "out/points/" + point + "/again.json";
     const outcome again = rtusim(folder, {"rerun", stats, "--stats", beside});
     CHECK(again.status == 0);
