@@ -5,7 +5,7 @@ namespace rtusim {
 bih_tables::bih_tables(const quantisation& widths, const bih_memory& memory)
     : address_bits(memory.address_bits),
       corner(memory.corner),
-      // Then differences shifted up by 63 - n and reciprocals by n + 1 - C fit 64 bits, and the upper half of their product is the distance.
+      // Then differences shifted up by 63 - n and reciprocals by n + 1 - C fit 64 bits; the upper half of their product is the distance.
       narrow(widths.n + widths.m <= 62 && widths.reciprocal_bits <= widths.n + 1),
       plane_shift(narrow ? 63 - widths.n : 0),
       reciprocal_shift(narrow ? widths.n + 1 - widths.reciprocal_bits : 0),

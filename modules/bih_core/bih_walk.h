@@ -49,8 +49,8 @@ class bih_walk {
   /// `visit(triangle, clock)` is called for each triangle number with the cycle in which it is issued; the ray's AABB is cycle 0. It may
   /// return the distance of the hit as a std::int64_t, or no_hit, for `early_out` to know when the result is there.
   ///
-  /// A visitor with a member `takes_leaves` has `leaf(first, numbers, count, hit)`, and gets the triangles of a leaf at once where one is issued a cycle: from list address
-  /// `first` on. It tells of hits alone, in their order: `hit(i, distance)`.
+  /// A visitor with a member `takes_leaves` has `leaf(first, numbers, count, hit)`, and gets the triangles of a leaf at once where one is
+  /// issued a cycle: from list address `first` on. It tells of hits alone, in their order: `hit(i, distance)`.
   template <class Visit>
   bih_outcome operator()(const quantised_ray& ray, Visit&& visit) {
     if constexpr (std::is_same_v<std::invoke_result_t<Visit&, std::uint32_t, std::uint64_t>, std::int64_t>) {

@@ -24,9 +24,7 @@ std::vector<lone_unit> bih_host::units() const {
   return {{"t_div", &bench_t_div}, {"triangle_unit", &bench_triangle_unit}, {"bih_core", &bench_bih_core, false, true}};
 }
 
-std::vector<std::string> bih_host::timing_only() const {
-  return {"bih_core.rays_in_flight"};
-}
+std::vector<std::string> bih_host::timing_only() const { return {"bih_core.rays_in_flight"}; }
 
 host_figures bih_host::blank_figures() const {
   host_figures figures;

@@ -68,8 +68,9 @@ frame::places bih_model::places(const design&, const std::vector<job_packet>& jo
 }
 
 loaded_model::result_keeper bih_model::keeper(const design& d, const std::vector<job_packet>& jobs, frame& picture) const {
+  const bih_kind& kind = d.of<bih_kind>();
   const auto surfaces =
-      std::make_shared<triangle_surfaces>(model_, d.of<bih_kind>().words, triangle_pipeline::distance_unit_of(d.of<bih_kind>().intersector.errata));
+      std::make_shared<triangle_surfaces>(model_, kind.words, triangle_pipeline::distance_unit_of(kind.intersector.errata));
   return [surfaces, &jobs, &picture](const traversal_result& r, std::uint64_t latency_cycles) {
     picture.store(r, latency_cycles, surfaces->at(jobs[r.sequence], static_cast<const mesh_result&>(r)));
   };

@@ -187,7 +187,7 @@ struct core_schedule : core_times<Sums> {
   std::uint32_t next_job_ = 0;
 };
 
-/// It takes a job as its ray ends, while less than so many results wait or are on their way; they reach the buffer in the order of the jobs.
+/// It takes a job as its ray ends, while less than so many results wait or are on their way. They reach the buffer in the order of jobs.
 template <class Sums>
 struct core_schedule<Sums, true> : core_times<Sums> {
   explicit core_schedule(unsigned rays_in_flight) : flights_(rays_in_flight) {}

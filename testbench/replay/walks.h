@@ -14,8 +14,8 @@
 
 namespace rtusim {
 
-/// What becomes of all jobs of a run, in their order, without the design's timing. It serves every core count, policy, source and sink. What
-/// a kind of core keeps of a ray is its own: see `walked_as`.
+/// What becomes of all jobs of a run, in their order, without the design's timing. It serves every core count, policy, source and sink.
+/// What a kind of core keeps of a ray is its own: see `walked_as`.
 class walked_rays {
  public:
   virtual ~walked_rays() = default;

@@ -41,7 +41,7 @@ struct run_inputs {
   std::unique_ptr<loaded_model> model;
   sent_jobs sent;
   std::unique_ptr<const walked_rays> walked;  ///< null where nobody shares them
-  nlohmann::ordered_json record;  ///< sizes and checksums; files by their names, those that nobody gave empty
+  nlohmann::ordered_json record;              ///< sizes and checksums; files by their names, those that nobody gave empty
 };
 
 /// How a run goes, and who looks on.

@@ -272,7 +272,8 @@ const std::set<std::string> walked_on{
     "scene",         "frame",   "camera",       "driver",      "fixed_point",           "float_to_fixed",
     "svo_core",      "memory",  "quantisation", "bih_builder", "bih_core.address_bits", "bih_core.early_out",
     "triangle_unit", "rtu.core"};
-/// What they may depend on, though not here: on ties, rays beside the box, deep stacks, leaves without triangles; and the divider that no replay covers.
+/// What they may depend on, though not here: on ties, rays beside the box, deep stacks, leaves without triangles; and the divider that no
+/// replay covers.
 const std::set<std::string> walked_on_elsewhere{"bih_core.exit_at_zero", "bih_core.box_never_misses", "bih_core.stack_wraps",
                                                 "bih_core.empty_leaf_hangs", "t_div"};
 
