@@ -101,6 +101,8 @@ TEST_CASE("convert: a mesh gives what a run makes of it", "[convert]") {
 TEST_CASE("convert: octrees and voxels there and back", "[convert]") {
   const test::scratch_folder folder;
   convert(options(golden + "dragon_128.svo", folder / "a.binvox"));
+  // The root cube reaches from -1 to 1.
+  CHECK_THAT(config::read_file(folder / "a.binvox"), Catch::StartsWith("#binvox 1\ndim 128 128 128\ntranslate -1 -1 -1\nscale 2\ndata\n"));
   convert(options(folder / "a.binvox", folder / "a.svo"));
   CHECK((config::read_file(folder / "a.svo") == config::read_file(golden + "dragon_128.svo")));
   convert(options(folder / "a.svo", folder / "b.binvox"));

@@ -170,6 +170,12 @@ TEST_CASE("outputs: a pipe that nobody reads ends the program without a word, st
   CHECK(bytes_of(folder / "model.svo") == before);
 }
 
+TEST_CASE("outputs: a program without a standard input writes its files all the same", "[outputs]") {
+  const inputs_folder folder;
+  CHECK(shell(folder, "$RUN --quiet --stats s.json --log l.csv <&-").status == 0);
+  for (const char* name : {"s.json", "l.csv"}) CHECK(fs::file_size(folder / name) > 100);
+}
+
 TEST_CASE("outputs: a file keeps its mode, and a link that leads nowhere gets its file", "[outputs]") {
   const inputs_folder folder;
   REQUIRE(shell(folder, "touch s.json && chmod 600 s.json && ln -s made.csv dangling.csv && $RUN --quiet --stats s.json --log dangling.csv")

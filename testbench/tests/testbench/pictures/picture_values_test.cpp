@@ -185,6 +185,13 @@ TEST_CASE("picture values: the light comes from above the eye's left and lights 
   }
 }
 
+TEST_CASE("picture values: seen straight from above the light comes as if the eye were in front", "[pictures]") {
+  const test::scratch_folder tmp;
+  const auto channels = layers_of(tmp, triangles_of({{0, 1, 0}, {0, 1, 0}}));
+  const vec light = light_for(0, 1);
+  for (std::size_t i = 0; i < 2; ++i) check_lit(channels, i, lit({0, 1, 0}, light));
+}
+
 TEST_CASE("picture values: lit voxel faces, misses and pixels without a result") {
   const test::scratch_folder tmp;
   frame f({5, 1}, 16);
