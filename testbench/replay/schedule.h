@@ -5,58 +5,33 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
-#include <string>
-#include <utility>
 #include <vector>
 
-#include <fmt/format.h>
-
-#include "modules/config/error.h"
 #include "modules/rtu/design.h"
 #include "modules/scheduler/policies/policies.h"
-#include "modules/timing/divisor.h"
-#include "testbench/bench/run_figures.h"
+#include "testbench/replay/counted_schedule.h"
+#include "testbench/replay/ring_schedule.h"
 #include "testbench/replay/schedule_parts.h"
 #include "testbench/replay/walks.h"
 
 namespace rtusim::replaying {
 
-/// One replay. `Held`: an offered result stays and the sink is not always ready. `Policy`: of the scheduler. `Way`: what only the kind of
-/// core knows, each ray in its own type:
-///
-///     using walked_ray = ...;                          // a ray's walk, with `job_word`, `cost`, `hit`, `t_hit`; no initial values
-///     using jobs_type = ...;                           // what the job manager counts, with `jobs`
-///     using result_type = ...;                         // of a core
-///     using core_sums = ...;                           // what only these cores count, with `add(const walked_ray&)`
-///     static constexpr bool overlaps = ...;            // whether a core takes a job while results of others are on their way,
-///     unsigned rays_in_flight() const;                 // and how many
-///     unsigned result_latency_cycles() const;          // from a ray's end to its result, beside the one of its register
-///     explicit Way(const design&);
-///     unsigned job_latency_cycles() const;             // from accepted to dispatched at the earliest
-///     void check(const walked_ray&, unsigned core, std::uint32_t job, cycle dispatched) const;  // throws for a walk that is a fault
-///     void show(unsigned core, const walked_ray&, result_type&);  // what the result bus carries, in the order of leaving
-///     /// Of the bank's units, in their order, after so many cycles.
-///     std::vector<named_figures> figures(const jobs_type&, const scheduler_stats&, const std::vector<core_schedule<core_sums, overlaps>>&,
-///                                        const result_manager_stats&, cycle end) const;
+/// One replay, job by job. `Held`: an offered result stays and the sink is not always ready. `Policy`: of the scheduler.
 template <bool Held, class Policy, class Way>
-class schedule final : public job_schedule {
+class schedule final : public counted_schedule<Way> {
+  using base = counted_schedule<Way>;
+
  public:
-  using walked_ray = typename Way::walked_ray;
-  using walked_type = walked_as<walked_ray, typename Way::jobs_type>;
+  using typename base::walked_ray;
+  using typename base::walked_type;
 
   schedule(const design& d, const surroundings& s, const walked_type& walked, const result_handler& handler)
-      : watchdog_(s.watchdog_cycles),
+      : base(d, s, walked, handler),
         policy_(d.rtu.cores),
-        walked_(walked),
-        handler_(handler),
-        by_cores_(d.rtu.cores),
-        way_(d),
-        cores_(d.rtu.cores, core_type(way_.rays_in_flight())),
         source_(s.source),
         stages_(way_.job_latency_cycles()),
         accepted_(Held ? walked.size() : 0) {
     if (s.sink.ready == sink_params::regime::lfsr) sink_.emplace(s.sink.seed);
-    figures_.clock_mhz = d.rtu.clock_mhz;
   }
 
   /// Follows the jobs before `end`, which are walked.
@@ -65,14 +40,18 @@ class schedule final : public job_schedule {
   }
   run_figures finish() override {
     if constexpr (Held) follow_drains(never);
-    order_.flush(last_result_ + 1, [this](cycle c, const leaving_order::result& r) { leave(c, r); });
+    order_.flush(after_last(), [this](cycle c, const leaving_order::result& r) { leave(c, r.job, r.core, r.latency_cycles); });
     check_watchdog(last_dispatch_, last_result_);
-    collect();
-    return std::move(figures_);
+    return collect({source_.valid_cycles(), after_last() - stages_.stalled(), policy_.ready_cycles(after_last(), core_view{*this}),
+                    result_valid_cycles_, sink_ ? sink_->count(0, after_last()) : after_last()},
+                   [this](unsigned core) { return policy_.valid_cycles(core); });
   }
 
  private:
-  using core_type = core_schedule<typename Way::core_sums, Way::overlaps>;
+  using base::by_cores_, base::check_watchdog, base::collect, base::cores_, base::dispatches_, base::after_last, base::figures_,
+      base::last_dispatch_, base::last_result_, base::leave, base::next_job_, base::results_, base::too_far_apart, base::traverse,
+      base::walked_, base::way_;
+  using typename base::core_type;
 
   /// The cores as a policy sees them.
   struct core_view {
@@ -107,12 +86,7 @@ class schedule final : public job_schedule {
     last_dispatch_ = dispatched;
     way_.check(ray, chosen, j, dispatched);
 
-    core.sums.add(ray);
-    auto& waits = figures_.results.waits;
-    waits.dispatch_cycles += dispatched - accepted - way_.job_latency_cycles();
-    const cycle done = dispatched + ray.cost + 1 + way_.result_latency_cycles();
-    waits.traversal_cycles += done - dispatched;
-
+    const cycle done = traverse(ray, core, accepted, dispatched);
     if constexpr (Held) {
       accepted_[j] = accepted;
       core.dispatch(dispatched + ray.cost, done, j);
@@ -139,7 +113,7 @@ class schedule final : public job_schedule {
       order_.add(drained, {j, chosen, drained - accepted});
     }
     if (order_.span(dispatched) >= leaving_order::batch)
-      order_.flush(dispatched, [this](cycle c, const leaving_order::result& r) { leave(c, r); });
+      order_.flush(dispatched, [this](cycle c, const leaving_order::result& r) { leave(c, r.job, r.core, r.latency_cycles); });
   }
 
   /// The core's next result comes to the buffer, which the last one left in cycle `drained`, if there was one.
@@ -180,74 +154,11 @@ class schedule final : public job_schedule {
     }
   }
 
-  void leave(cycle c, const leaving_order::result& r) {
-    const walked_ray& ray = walked_.rays[r.job];
-    typename Way::result_type t;
-    t.job_word = ray.job_word;
-    t.cost = ray.cost;
-    t.hit = ray.hit;
-    t.t_hit = ray.t_hit;
-    t.core = static_cast<std::uint16_t>(r.core);
-    t.sequence = r.job;
-    figures_.results.count(c, t, r.latency_cycles);
-    if (!handler_) return;
-    way_.show(r.core, ray, t);
-    handler_(c, t, r.latency_cycles);
-  }
-
-  input_error too_far_apart() const {
-    return input_error("--pace replay", fmt::format("transfers more than watchdog.cycles = {} apart", watchdog_),
-                       "--pace skipping for such a run");
-  }
-  void check_watchdog(cycle from, cycle to) const {
-    if (to - (from == never ? 0 : from) > watchdog_) throw too_far_apart();
-  }
-
-  /// The figures that follow from the sums.
-  void collect() {
-    const cycle end = last_result_ + 1;
-    const std::uint64_t jobs = walked_.size();
-    auto& waits = figures_.results.waits;
-    waits.conversion_cycles = jobs * way_.job_latency_cycles();
-    for (const auto& core : cores_) waits.buffer_cycles += core.waited_cycles;
-    const auto channel = [&](std::string name, std::uint64_t transfers, std::uint64_t valid, std::uint64_t ready) {
-      figures_.channels.emplace_back(std::move(name),
-                                     channel_stats{transfers, ready - transfers, valid - transfers, end + transfers - valid - ready});
-    };
-    waits.result_cycles = results_.results.cycles;
-    channel("pending_job", jobs, jobs + dispatches_.jobs.cycles, policy_.ready_cycles(end, core_view{*this}));
-    for (unsigned i = 0; i < cores_.size(); ++i) {
-      core_type& core = cores_[i];
-      core.idle_cycles += cycles_from(core.free_from, 0, end);
-      channel(fmt::format("core_job_{}", i), core.jobs, policy_.valid_cycles(i), core.idle_cycles);
-    }
-    for (unsigned i = 0; i < cores_.size(); ++i)
-      channel(fmt::format("core_result_{}", i), cores_[i].jobs, cores_[i].jobs + cores_[i].back_pressured_cycles(),
-              end - cores_[i].full_cycles);
-    channel("job", jobs, source_.valid_cycles(), end - stages_.stalled());
-    channel("result", jobs, result_valid_cycles_, sink_ ? sink_->count(0, end) : end);
-
-    figures_.units = way_.figures(walked_.jobs, dispatches_, cores_, results_, end);
-  }
-
-  cycle watchdog_;
   typename Policy::schedule policy_;
-  const walked_type& walked_;
-  const result_handler& handler_;
-  scheduler_stats dispatches_;
-  result_manager_stats results_;
-  divisor by_cores_;
-  Way way_;
-  std::vector<core_type> cores_;
   source_schedule source_;
   stages_schedule stages_;
   std::optional<lfsr> sink_;
   leaving_order order_;
-  run_figures figures_;
-
-  std::uint32_t next_job_ = 0;
-  cycle last_dispatch_ = never;
-  cycle last_result_ = 0;
   std::uint64_t result_valid_cycles_ = 0;
   // Where drains are followed in time.
   unsigned turn_ = 0;  // the select in `turn_cycle_`
@@ -261,6 +172,11 @@ template <class Way>
 std::unique_ptr<job_schedule> schedule_for(const design& d, const surroundings& s,
                                            const walked_as<typename Way::walked_ray, typename Way::jobs_type>& walked,
                                            const result_handler& handler) {
+  const bool always = s.source.valid == source_params::regime::always && s.sink.ready == sink_params::regime::always;
+  if constexpr (!Way::overlaps) {
+    if (always && d.scheduler_.select == policy_index<cyclic_first_available>)
+      return std::make_unique<ring_schedule<Way>>(d, s, walked, handler);
+  }
   const bool held = !d.result_manager_.valid_withdrawn && s.sink.ready != sink_params::regime::always;
   return scheduler_policies::with(d.scheduler_.select, [&](auto policy) -> std::unique_ptr<job_schedule> {
     using chosen = typename decltype(policy)::type;
