@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -20,6 +21,7 @@ struct run_figures {
   result_figures results;
   std::vector<named_figures> units;                             ///< in the order of construction
   std::vector<std::pair<std::string, channel_stats>> channels;  ///< by instance name, in the order of construction
+  std::string_view followed;                                    ///< no figure: what a replay went along; else empty
 
   /// What was lost or changed on the way in, a sentence each, as a warning tells it.
   std::vector<std::string> warnings() const;

@@ -19,6 +19,7 @@
 #include "modules/config/files.h"
 #include "modules/config/input_ledger.h"
 #include "testbench/commands/options.h"
+#include "testbench/pictures/picture_library.h"
 #include "testbench/pictures/pictures.h"
 #include "testbench/run/interrupts.h"
 #include "testbench/run/procedure.h"
@@ -194,6 +195,8 @@ class sweep_run {
 
 void run_missing(const sweep_plan& plan, const std::vector<sweep_task>& tasks, const std::vector<const sweep_task*>& missing,
                  const results_folder& folder, const sweep_options& o) {
+  // It takes longer to load than most points to run.
+  if (!plan.images().empty() && missing.size() > 1) share_picture_library();
   sweep_run now(plan, tasks, folder, o.jobs, o.quiet, missing.size());
   try {
     now.run(missing);

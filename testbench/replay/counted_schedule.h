@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -93,9 +94,10 @@ class counted_schedule : public job_schedule {
     std::uint64_t result_valid, result_ready;
   };
   cycle after_last() const { return last_result_ + 1; }
-  /// `shown(i)`: in how many cycles a job was shown to core i.
+  /// `followed`: for the record; `shown(i)`: in how many cycles a job was shown to core i.
   template <class Shown>
-  run_figures collect(const offered_cycles& offered, const Shown& shown) {
+  run_figures collect(std::string_view followed, const offered_cycles& offered, const Shown& shown) {
+    figures_.followed = followed;
     const std::uint64_t jobs = walked_.size();
     auto& waits = figures_.results.waits;
     waits.conversion_cycles = jobs * way_.job_latency_cycles();

@@ -87,7 +87,7 @@ class ring_schedule final : public counted_schedule<Way> {
     std::uint64_t ready = pending_ready_;
     for (unsigned i = 0; i < cores_.size(); ++i) ready += turns_of(i, cores_[i].free_from, after_last());
     const std::uint64_t accepting = jobs == 0 ? 0 : figures_.results.last_accepted + 1;
-    return collect({accepting, after_last() - dispatches_.jobs.cycles, ready, jobs, after_last()},
+    return collect("turns", {accepting, after_last() - dispatches_.jobs.cycles, ready, jobs, after_last()},
                    [&](unsigned core) { return shown.cycles(core); });
   }
 

@@ -42,7 +42,8 @@ class schedule final : public counted_schedule<Way> {
     if constexpr (Held) follow_drains(never);
     order_.flush(after_last(), [this](cycle c, const leaving_order::result& r) { leave(c, r.job, r.core, r.latency_cycles); });
     check_watchdog(last_dispatch_, last_result_);
-    return collect({source_.valid_cycles(), after_last() - stages_.stalled(), policy_.ready_cycles(after_last(), core_view{*this}),
+    return collect(Held ? "drains" : "jobs",
+                   {source_.valid_cycles(), after_last() - stages_.stalled(), policy_.ready_cycles(after_last(), core_view{*this}),
                     result_valid_cycles_, sink_ ? sink_->count(0, after_last()) : after_last()},
                    [this](unsigned core) { return policy_.valid_cycles(core); });
   }

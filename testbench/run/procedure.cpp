@@ -51,6 +51,7 @@ traced_run trace(const run_setup& s, const run_inputs& inputs, const run_manner&
     const auto walk = inputs.model->walker(s.hardware);
     run.figures = inputs.walked ? replay(s.hardware, s.bench, *walk, *inputs.walked, manner.each)
                                 : replay(s.hardware, s.bench, *walk, jobs, manner.threads, manner.each);
+    run.speed.followed = run.figures.followed;
   } else {
     simulation sim(s.hardware, s.bench, inputs.model->memories(), jobs, static_cast<pace>(manner.pace), manner.window);
     if (manner.each) sim.board().on_result(manner.each);

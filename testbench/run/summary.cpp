@@ -51,6 +51,10 @@ void simulator_figures::describe(config::report& r) const {
   const auto per_ray = [this](double figure) { return rays == 0 ? 0.0 : figure / static_cast<double>(rays); };
   r.number("version", program_version(), "", "of the program, with the commit of its sources; + where they differed from it");
   r.number("pace", pace, "", "how the run came by its cycles");
+  r.number(
+      "followed", followed, "",
+      "what a replay went along: the select's turns, where nothing is fed back; each job; or each result's drain, too, where a sink lets "
+      "results wait");
   r.number("run_seconds", run_seconds, "s", "wall time of the simulation alone");
   r.number("all_seconds", all_seconds, "s", "wall time with scene, jobs, pictures and logs");
   r.number("rays_per_second", static_cast<double>(rays) / run_seconds, "1/s", "rays simulated by wall time");

@@ -30,6 +30,7 @@ void flatten(const nlohmann::ordered_json& from, const std::string& key, std::ve
 /// The simulator itself: which one it is, and its speed.
 struct simulator_figures {
   std::string pace;
+  std::string followed;  ///< by a replay
   std::uint64_t rays = 0;
   std::uint64_t cycles = 0;
   double run_seconds = 0;

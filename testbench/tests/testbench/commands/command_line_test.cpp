@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -740,6 +741,18 @@ TEST_CASE("command line: a mesh is converted, described, looked at and traced", 
   CHECK(files.size() == 6);
   CHECK((files.at("bunny.svo") == files.at("again.svo")));
   for (const char* name : {"bunny.png", "mesh.png"}) CHECK_THAT(files.at(name), Catch::StartsWith("\x89PNG"));
+  // Each option makes another model.
+  const words plain{"convert", bunny, "out.svo", "--resolution", "16", "--quiet"};
+  std::set<std::string> models;
+  const std::vector<words> options{{}, {"--solid"}, {"--up", "z"}, {"--margin", "2"}, {"--fit", "0.5"}, {"--resolution", "32"}};
+  for (const words& more : options) {
+    words all = plain;
+    if (!more.empty() && more[0] == "--resolution") all.erase(all.begin() + 3, all.begin() + 5);
+    all.insert(all.end(), more.begin(), more.end());
+    CHECK(rtusim(folder, all).status == 0);
+    models.insert(bytes_of(folder / "out.svo"));
+  }
+  CHECK(models.size() == options.size());
 
   const test::scratch_folder empty;
   const words convert{"convert", bunny, "out.svo", "--resolution", "32"};

@@ -88,24 +88,25 @@ TEST_CASE("ring schedule: where nothing is fed back it is the schedule that is f
   CHECK(refused < 100);
 }
 
-TEST_CASE("ring schedule: it stands for its regime alone", "[replay]") {
+TEST_CASE("ring schedule: it stands for its regime alone, and the record tells what was followed", "[replay]") {
   const walked_type none(0);
   const result_handler nobody;
-  const auto takes_ring = [&](const design& d, const surroundings& s) {
-    const auto schedule = replaying::schedule_for<svo_way>(d, s, none, nobody);
-    return dynamic_cast<const ring*>(schedule.get()) != nullptr;
+  const auto followed_in = [&](const design& d, const surroundings& s) {
+    return replaying::schedule_for<svo_way>(d, s, none, nobody)->finish().followed;
   };
   const design d;
   const surroundings s;
-  CHECK(takes_ring(d, s));
-  design other = d;
+  CHECK(followed_in(d, s) == "turns");
+  design other = d, withdrawn = d;
   other.scheduler_.select = policy_index<round_robin>;
-  CHECK_FALSE(takes_ring(other, s));
+  CHECK(followed_in(other, s) == "jobs");
   surroundings gap = s, random = s;
   gap.source.valid = source_params::regime::gap;
-  CHECK_FALSE(takes_ring(d, gap));
+  CHECK(followed_in(d, gap) == "jobs");
   random.sink.ready = sink_params::regime::lfsr;
-  CHECK_FALSE(takes_ring(d, random));
+  CHECK(followed_in(d, random) == "drains");
+  withdrawn.result_manager_.valid_withdrawn = true;
+  CHECK(followed_in(withdrawn, random) == "jobs");
 }
 
 }  // namespace rtusim

@@ -279,6 +279,7 @@ TEST_CASE("sweep: triangle cores are replayed where that covers them, and run ag
     const auto record = nlohmann::json::parse(bytes_of(folder / stats));
     const bool covered = record["parameters"]["t_div"]["kind"] == "pipelined";
     CHECK(record["simulator"]["pace"] == (covered ? "replay" : "skipping"));
+    CHECK(record["simulator"]["followed"] == (covered ? "jobs" : ""));
     const std::string beside = "out/points/" + point + "/again.json";
     const outcome again = rtusim(folder, {"rerun", stats, "--stats", beside});
     CHECK(again.status == 0);
