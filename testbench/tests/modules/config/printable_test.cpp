@@ -35,7 +35,13 @@ TEST_CASE("printable: letters of all scripts stay, controls and broken bytes do 
       {"\xf4\x90\x80\x80", "????"},  // beyond the last character
       {"\xf0\x9f\x90\x89", "\xf0\x9f\x90\x89"},
   };
-  for (const auto& row : table) CHECK(printable(row.text) == row.shown);
+  for (const auto& row : table) {
+    CHECK(printable(row.text) == row.shown);
+    // What lies around a text stays, whatever it is.
+    std::string among = '\x01' + row.text + "\x02\xc3";
+    make_printable(among.data() + 1, row.text.size());
+    CHECK(among == '\x01' + row.shown + "\x02\xc3");
+  }
 }
 
 }  // namespace rtusim::config

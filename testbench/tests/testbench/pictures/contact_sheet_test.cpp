@@ -208,6 +208,20 @@ TEST_CASE("contact sheet: titles and headline") {
     const std::size_t left = s.left(i);
     CHECK(s.tells(left, s.top_of(i, 10) - 30, titles[i], "DejaVuSans-Bold", 18, ink, algo::TextAlignX::Left, left, left + panel_width));
   }
+  const char* const sentences[] = {"What the rays hit, in light from the upper left; crevices are darker.",
+                                   "Which way the surface faces: x in red, y (up) in green, z in blue.",
+                                   "How far along its ray each hit lies.",
+                                   "Cycles that a core worked on the ray, hit or miss.",
+                                   "Cycles from the ray's arrival in the unit to its result.",
+                                   "Of its latency, the cycles in which the ray stood in a queue.",
+                                   "Cycles spent on rays that hit nothing, in red; hits are grey.",
+                                   "Which core traced the ray.",
+                                   "Which voxel was hit, each in a colour of its own."};
+  for (std::size_t i = 0; i < 9; ++i) {
+    CAPTURE(sentences[i]);
+    const std::size_t left = s.left(i);
+    CHECK(s.tells(left, s.top_of(i, 10) - 10, sentences[i], "DejaVuSans", 14, soft_ink, algo::TextAlignX::Left, left, left + panel_width));
+  }
 }
 
 TEST_CASE("contact sheet: large frames are made smaller, of the cores' map its middle is shown") {
