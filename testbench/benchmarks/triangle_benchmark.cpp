@@ -7,7 +7,9 @@
 #include "modules/bih_core/bih_walk.h"
 #include "modules/triangle_unit/triangle_intersector.h"
 #include "testbench/bench/simulation.h"
+#include "testbench/kinds/bih_walker.h"
 #include "testbench/kinds/triangle_model.h"
+#include "testbench/replay/replay.h"
 #include "testbench/tests/in_child.h"
 
 namespace rtusim {
@@ -78,6 +80,23 @@ void walk(benchmark::State& state, bool with_triangles) {
 }
 BENCHMARK_CAPTURE(walk, alone, false)->Name("triangles/walk")->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(walk, intersecting, true)->Name("triangles/walk_and_intersect")->Unit(benchmark::kMillisecond);
+
+/// All that replay does before its schedule: set-up, traversal, intersections, each leaf's at once.
+void walk_all(benchmark::State& state) {
+  const bih_walker walker(triangle_design(1).of<bih_kind>(), teapot().hierarchy);
+  for (auto _ : state) benchmark::DoNotOptimize(walk_rays(walker, teapot_packets(), static_cast<unsigned>(state.range(0))));
+  report(state, 0);
+}
+BENCHMARK(walk_all)->Name("triangles/replay/walks/threads")->Arg(1)->Arg(2)->Unit(benchmark::kMillisecond)->UseRealTime();
+
+void replay_all(benchmark::State& state) {
+  const design d = triangle_design(static_cast<unsigned>(state.range(0)));
+  const bih_walker walker(d.of<bih_kind>(), teapot().hierarchy);
+  double cycles = 0;
+  for (auto _ : state) cycles = static_cast<double>(replay(d, {}, walker, teapot_packets(), 2, {}).results.total_cycles());
+  report(state, cycles);
+}
+BENCHMARK(replay_all)->Name("triangles/replay/cores")->Arg(1)->Arg(16)->Unit(benchmark::kMillisecond)->UseRealTime();
 
 void set_up(benchmark::State& state) {
   for (auto _ : state) benchmark::DoNotOptimize(teapot_rays());

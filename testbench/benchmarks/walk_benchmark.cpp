@@ -3,6 +3,7 @@
 #include <stdexcept>
 
 #include "modules/memory/memory.h"
+#include "modules/svo_core/svo_batch.h"
 #include "modules/svo_core/svo_kind.h"
 #include "modules/svo_core/svo_walk.h"
 #include "testbench/benchmarks/frame_jobs.h"
@@ -68,6 +69,21 @@ void camera_frame(benchmark::State& state) {
   per_ray(state, frame_packets().size());
 }
 BENCHMARK(camera_frame)->Name("camera/threads")->Arg(1)->Arg(2)->Unit(benchmark::kMillisecond)->UseRealTime();
+
+/// Conversion and walk in batches, one ray after the other and eight side by side.
+void walk_batch(benchmark::State& state, bool lanes) {
+  const svo_kind kind = as_built().of<svo_kind>();
+  const svo_batch walk(kind.core_with_format(), kind.conversion, view_of(dragon().words, kind.memory_), lanes);
+  std::vector<svo_walked> walked(frame_packets().size());
+  for (auto _ : state) {
+    numeric::float_to_fixed_stats stats;
+    walk(frame_packets().data(), frame_packets().size(), walked.data(), stats);
+    benchmark::DoNotOptimize(walked.data());
+  }
+  per_ray(state, frame_packets().size());
+}
+BENCHMARK_CAPTURE(walk_batch, one_by_one, false)->Name("walk/batch/one_by_one")->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(walk_batch, side_by_side, true)->Name("walk/batch/side_by_side")->Unit(benchmark::kMillisecond);
 
 void walk_all(benchmark::State& state) {
   for (auto _ : state)
