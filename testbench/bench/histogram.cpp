@@ -33,7 +33,7 @@ void histogram::describe(config::report& r, std::string_view unit) const {
   r.number("most", percentile(1), unit, "greatest value");
   nlohmann::ordered_json pairs = nlohmann::ordered_json::array();
   for (std::size_t v = 0; v < counts_.size(); ++v)
-    if (counts_[v] != 0) pairs.push_back({v, counts_[v]});
+    if (counts_[v] != 0) pairs.push_back(nlohmann::ordered_json::array_t{v, counts_[v]});
   r.number("histogram", pairs, unit, "pairs of a value and how often it came");
 }
 

@@ -95,7 +95,7 @@ worker_report run_point(const sweep_plan& plan, const sweep_task& t, const run_i
     const fs::path part = folder.part(t);
     fs::remove_all(part);
     fs::create_directory(part);
-    config::write_new_file(part / "stats.json", record_text(record, folder_of_record(folder.point(t) / "stats.json")));
+    config::write_new_file(part / "stats.json", record_text(std::move(record), folder_of_record(folder.point(t) / "stats.json")));
     const config::deferred_sync batched;  // `point_batch` waits for the disk
     for (const std::string& ending : plan.images()) shown->write(part / ("image." + ending));
     config::write_new_file(part / "identity.json", t.identity);

@@ -1,6 +1,7 @@
 #include "testbench/run/procedure.h"
 
 #include <chrono>
+#include <utility>
 #include <vector>
 
 #include "modules/config/error.h"
@@ -72,11 +73,11 @@ run_record record_of(const run_setup& s, const run_inputs& inputs, const traced_
   record.inputs = inputs.record;
   record.inputs["model"] = s.what.model.model;
   record.parameters = s.parameters.values();
-  config::report statistics, simulator;
+  config::report statistics({}, config::report::wants::values), simulator({}, config::report::wants::values);
   run.figures.describe(statistics);
   run.speed.describe(simulator);
-  record.statistics = statistics.values();
-  record.simulator = simulator.values();
+  record.statistics = std::move(statistics).values();
+  record.simulator = std::move(simulator).values();
   return record;
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -68,8 +69,11 @@ void simulator_figures::describe(config::report& r) const {
 
 std::string record_text(run_record record, const std::filesystem::path& folder) {
   name_files_from(folder, record.inputs, record.parameters);
-  const json all{{"format", "rtusim statistics"},   {"version", run_record::version},  {"inputs", record.inputs},
-                 {"parameters", record.parameters}, {"statistics", record.statistics}, {"simulator", record.simulator}};
+  json all{{"format", "rtusim statistics"}, {"version", run_record::version}};
+  all["inputs"] = std::move(record.inputs);
+  all["parameters"] = std::move(record.parameters);
+  all["statistics"] = std::move(record.statistics);
+  all["simulator"] = std::move(record.simulator);
   return all.dump(2, ' ', false, json::error_handler_t::replace) + '\n';  // a file's name may be no UTF-8
 }
 
