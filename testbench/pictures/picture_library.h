@@ -7,8 +7,8 @@ namespace rtusim {
 /// Errors: input_error when the library or the function is not there.
 void* picture_function(const char* name);
 
-/// Loads the library, and calls nothing in it, for the processes that are forked afterwards: so they find it there. Where it can't be loaded
-/// it is theirs to say so.
+/// Loads the library, and calls nothing in it, so that processes that are forked afterwards find it there. Where it can't be loaded it is
+/// theirs to say so.
 void share_picture_library() noexcept;
 
 }  // namespace rtusim

@@ -56,9 +56,8 @@ class cycle_ring {
 
 /// The replay where source and sink are always there and the select turns, of cores that have one ray at a time: nothing is fed back.
 ///
-/// Scheduler and result multiplexer turn alike, so a core drains and takes its next job in one cycle: after a job of so many cycles, taken in
-/// cycle c, in cycle c + N ceil((cost + 2) / N). As a job is at hand in each of these cycles while there are any, a ring of them is the
-/// schedule.
+/// Scheduler and result multiplexer turn alike, so a core drains and takes its next job in one cycle: after one that it took in cycle c, in
+/// cycle c + N ceil((cost + 2) / N). As a job is at hand in each of these cycles while there are any, a ring of them is the schedule.
 template <class Way>
 class ring_schedule final : public counted_schedule<Way> {
   using base = counted_schedule<Way>;

@@ -244,6 +244,34 @@ TEST_CASE("pictures: every layer in one EXR") {
   CHECK(channels["G"][5] == 0);
 }
 
+TEST_CASE("pictures: an EXR's table leads to its chunks, not a reader's search for them") {
+  const scratch tmp;
+  write_picture(tmp.folder / "x.exr", frame({40, 30}, 16), picture_kind::layers);
+  const std::string bytes = bytes_of(tmp.folder / "x.exr");
+  const auto number = [&](std::size_t at, unsigned size) {
+    std::uint64_t n = 0;
+    REQUIRE(at + size <= bytes.size());
+    for (unsigned i = 0; i < size; ++i) n |= std::uint64_t{static_cast<unsigned char>(bytes[at + i])} << (8 * i);
+    return static_cast<std::size_t>(n);
+  };
+  // Magic number and version; attributes of name, type, size and data, the last of an empty name.
+  std::size_t at = 8;
+  while (bytes[at] != '\0') {
+    const std::size_t type = bytes.find('\0', at) + 1, size = bytes.find('\0', type) + 1;
+    at = size + 4 + number(size, 4);
+  }
+  const std::size_t table = at + 1, chunks = (number(table, 8) - table) / 8;
+  REQUIRE(chunks >= 1);
+  REQUIRE(chunks <= 30);
+  // Each chunk is the first row's number, a size and so many bytes; they follow one another to the end.
+  std::size_t next = table + 8 * chunks;
+  for (std::size_t i = 0; i < chunks; ++i) {
+    CHECK(number(table + 8 * i, 8) == next);
+    next += 8 + number(next + 4, 4);
+  }
+  CHECK(next == bytes.size());
+}
+
 TEST_CASE("pictures: normals as colours") {
   const scratch tmp;
   write_picture(tmp.folder / "x.normal.png", small_frame(), picture_kind::normal);
