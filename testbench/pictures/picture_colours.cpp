@@ -15,17 +15,11 @@ using ramp = std::array<colour, steps>;
 
 ramp ramp_of(const char* name) {
   OIIO::ImageBuf shares(OIIO::ImageSpec(static_cast<int>(steps), 1, 1, OIIO::TypeDesc::FLOAT));
-  for (int x = 0; x < static_cast<int>(steps); ++x) {
-    const float share = static_cast<float>(x) / (steps - 1);
-    shares.setpixel(x, 0, &share);
-  }
+  for (OIIO::ImageBuf::Iterator<float> at(shares); !at.done(); ++at) at[0] = static_cast<float>(at.x()) / (steps - 1);
   const OIIO::ImageBuf shown = OIIO::ImageBufAlgo::color_map(shares, 0, name, {}, 1);
   ramp r;
-  for (int x = 0; x < static_cast<int>(steps); ++x) {
-    std::array<float, 3> light{};
-    shown.getpixel(x, 0, light.data(), 3);
-    std::transform(light.begin(), light.end(), r[static_cast<std::size_t>(x)].begin(), [](float v) { return srgb_of(v); });
-  }
+  for (OIIO::ImageBuf::ConstIterator<float> light(shown); !light.done(); ++light)
+    for (int i = 0; i < 3; ++i) r[static_cast<std::size_t>(light.x())][static_cast<std::size_t>(i)] = srgb_of(light[i]);
   return r;
 }
 
