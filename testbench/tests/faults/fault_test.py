@@ -155,8 +155,9 @@ def main():
                         is_new = [found[o] == new[o] for o in outputs]
                         for o in outputs:
                             assert found[o] in (b"old", new[o]), f"{o} is neither the old nor the new file"
-                        if function == "malloc" and "(E549) uncaught exception: std::bad_alloc" in told:
-                            told = "rtusim: out of memory\n"  # SystemC's words, before it calls us
+                        # SystemC's words, before it calls us, on either stream.
+                        if function == "malloc" and b"(E549) uncaught exception: std::bad_alloc" in ended.stdout + ended.stderr:
+                            told = "rtusim: out of memory\n"
                         if ended.returncode != 0 and not is_aborted:
                             assert told.startswith("rtusim: ") and told.count("\n") == 1, "not one line"
                         if function == "malloc" and ended.returncode != 0 and not in_library:

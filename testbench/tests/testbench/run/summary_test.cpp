@@ -209,6 +209,7 @@ TEST_CASE("summary: what a run prints is what its record says", "[summary]") {
 TEST_CASE("summary: the simulator's own figures", "[summary]") {
   simulator_figures f;
   f.pace = "checked";
+  f.followed = "turns";
   f.rays = 500;
   f.cycles = 4000;
   f.run_seconds = 2;
@@ -220,6 +221,7 @@ TEST_CASE("summary: the simulator's own figures", "[summary]") {
   f.describe(r);
   CHECK(r.values() == json{{"version", program_version()},
                            {"pace", "checked"},
+                           {"followed", "turns"},
                            {"run_seconds", 2.0},
                            {"all_seconds", 5.0},
                            {"rays_per_second", 250.0},
