@@ -6,53 +6,9 @@
 
 #include "modules/scheduler/policies/turn_counts.h"
 #include "testbench/replay/counted_schedule.h"
+#include "testbench/replay/schedule_parts.h"
 
 namespace rtusim::replaying {
-
-/// What is to happen in which cycle, of cycles that lie not far apart.
-template <class T>
-class cycle_ring {
- public:
-  void put(cycle c, const T& what) {
-    while (c - base_ >= slots_.size()) grow();
-    const std::size_t at = c & (slots_.size() - 1);
-    slots_[at] = what;
-    taken_[at / 64] |= std::uint64_t{1} << (at % 64);
-  }
-  /// The first cycle with something, which there must be.
-  cycle first() {
-    for (;;) {
-      const std::size_t at = base_ & (slots_.size() - 1);
-      if (const std::uint64_t ahead = taken_[at / 64] >> (at % 64); ahead != 0)
-        return base_ += static_cast<unsigned>(__builtin_ctzll(ahead));
-      base_ = (base_ | 63) + 1;
-    }
-  }
-  /// What it is, and nothing more from then on.
-  T take_first() {
-    const std::size_t at = base_ & (slots_.size() - 1);
-    taken_[at / 64] &= ~(std::uint64_t{1} << (at % 64));
-    return slots_[at];
-  }
-
- private:
-  void grow() {
-    std::vector<T> slots(slots_.size() * 2);
-    std::vector<std::uint64_t> taken(slots.size() / 64);
-    for (cycle c = base_; c < base_ + slots_.size(); ++c) {
-      const std::size_t at = c & (slots_.size() - 1), to = c & (slots.size() - 1);
-      if ((taken_[at / 64] >> (at % 64) & 1) == 0) continue;
-      slots[to] = slots_[at];
-      taken[to / 64] |= std::uint64_t{1} << (to % 64);
-    }
-    slots_.swap(slots);
-    taken_.swap(taken);
-  }
-
-  cycle base_ = 0;
-  std::vector<T> slots_ = std::vector<T>(4096);
-  std::vector<std::uint64_t> taken_ = std::vector<std::uint64_t>(4096 / 64);
-};
 
 /// The replay where source and sink are always there and the select turns, of cores that have one ray at a time: nothing is fed back.
 ///

@@ -40,7 +40,7 @@ class schedule final : public counted_schedule<Way> {
   }
   run_figures finish() override {
     if constexpr (Held) follow_drains(never);
-    order_.flush(after_last(), [this](cycle c, const leaving_order::result& r) { leave(c, r.job, r.core, r.latency_cycles); });
+    hand_out(after_last());
     check_watchdog(last_dispatch_, last_result_);
     return collect(Held ? "drains" : "jobs",
                    {source_.valid_cycles(), after_last() - stages_.stalled(), policy_.ready_cycles(after_last(), core_view{*this}),
@@ -53,6 +53,12 @@ class schedule final : public counted_schedule<Way> {
       base::last_dispatch_, base::last_result_, base::leave, base::next_job_, base::results_, base::too_far_apart, base::traverse,
       base::walked_, base::way_;
   using typename base::core_type;
+
+  struct leaving {
+    std::uint32_t job = 0;
+    std::uint32_t core = 0;
+    std::uint64_t latency_cycles = 0;
+  };
 
   /// The cores as a policy sees them.
   struct core_view {
@@ -111,10 +117,14 @@ class schedule final : public counted_schedule<Way> {
       core.full_cycles += drained - buffered;
       results_.results.add(drained - buffered);
       last_result_ = std::max(last_result_, drained);
-      order_.add(drained, {j, chosen, drained - accepted});
+      order_.put(drained, {j, chosen, drained - accepted});
     }
-    if (order_.span(dispatched) >= leaving_order::batch)
-      order_.flush(dispatched, [this](cycle c, const leaving_order::result& r) { leave(c, r.job, r.core, r.latency_cycles); });
+    if (order_.span(dispatched) >= 2048) hand_out(dispatched);
+  }
+
+  /// Results leave in the order of cycles.
+  void hand_out(cycle end) {
+    order_.flush(end, [this](cycle c, const leaving& r) { leave(c, r.job, r.core, r.latency_cycles); });
   }
 
   /// The core's next result comes to the buffer, which the last one left in cycle `drained`, if there was one.
@@ -143,7 +153,7 @@ class schedule final : public counted_schedule<Way> {
         core.full_cycles += drained - core.buffered;
         results_.results.add(drained - core.buffered);
         last_result_ = std::max(last_result_, drained);
-        order_.add(drained, {core.job, turn_, drained - accepted_[core.job]});
+        order_.put(drained, {core.job, turn_, drained - accepted_[core.job]});
         --outstanding_;
         if (core.offered() != never)
           fill_buffer(core, drained);
@@ -159,7 +169,7 @@ class schedule final : public counted_schedule<Way> {
   source_schedule source_;
   stages_schedule stages_;
   std::optional<lfsr> sink_;
-  leaving_order order_;
+  cycle_ring<leaving> order_;
   std::uint64_t result_valid_cycles_ = 0;
   // Where drains are followed in time.
   unsigned turn_ = 0;  // the select in `turn_cycle_`

@@ -85,38 +85,47 @@ class stages_schedule {
   std::uint64_t stalled_before_ = 0;  // and of those before `first_`
 };
 
-/// Puts results into the order of leaving, one a cycle at most.
-class leaving_order {
+/// What happens in which cycle, one thing a cycle at most, of cycles that lie not far apart. It is put in in any order, and comes out in
+/// that of the cycles.
+template <class T>
+class cycle_ring {
  public:
-  struct result {
-    std::uint32_t job = 0;
-    std::uint32_t core = 0;
-    std::uint64_t latency_cycles = 0;
-  };
-
-  void add(cycle c, const result& r) {
-    while (c - base_ >= ring_.size()) grow();
-    const std::size_t slot = c & (ring_.size() - 1);
-    ring_[slot] = r;
-    taken_[slot / 64] |= std::uint64_t{1} << (slot % 64);
+  void put(cycle c, const T& what) {
+    while (c - base_ >= slots_.size()) grow();
+    const std::size_t at = c & (slots_.size() - 1);
+    slots_[at] = what;
+    taken_[at / 64] |= std::uint64_t{1} << (at % 64);
   }
-  /// Cycles from the first not handed out to `end`. It pays to hand out many at once.
+  /// The first cycle with something, which there must be.
+  cycle first() {
+    for (;;) {
+      const std::size_t at = base_ & (slots_.size() - 1);
+      if (const std::uint64_t ahead = taken_[at / 64] >> (at % 64); ahead != 0)
+        return base_ += static_cast<unsigned>(__builtin_ctzll(ahead));
+      base_ = (base_ | 63) + 1;
+    }
+  }
+  /// What it is, and nothing more from then on.
+  T take_first() {
+    const std::size_t at = base_ & (slots_.size() - 1);
+    taken_[at / 64] &= ~(std::uint64_t{1} << (at % 64));
+    return slots_[at];
+  }
+  /// Cycles from the first that may hold something to `end`. It pays to hand out many at once.
   cycle span(cycle end) const { return end - base_; }
-  static constexpr cycle batch = 2048;
-
-  /// Hands out the results of all cycles before `end`.
+  /// Hands out what happens in all cycles before `end`.
   template <class Handler>
   void flush(cycle end, Handler&& handler) {
     while (base_ < end) {
-      const std::size_t slot = base_ & (ring_.size() - 1);
-      const std::size_t span = std::min<cycle>(64 - slot % 64, end - base_);
-      std::uint64_t& word = taken_[slot / 64];
-      std::uint64_t bits = word >> (slot % 64);
+      const std::size_t at = base_ & (slots_.size() - 1);
+      const std::size_t span = std::min<cycle>(64 - at % 64, end - base_);
+      std::uint64_t& word = taken_[at / 64];
+      std::uint64_t bits = word >> (at % 64);
       if (span < 64) bits &= (std::uint64_t{1} << span) - 1;
-      word &= ~(bits << (slot % 64));
+      word &= ~(bits << (at % 64));
       for (; bits != 0; bits &= bits - 1) {
         const auto ahead = static_cast<unsigned>(__builtin_ctzll(bits));
-        handler(base_ + ahead, ring_[slot + ahead]);
+        handler(base_ + ahead, slots_[at + ahead]);
       }
       base_ += span;
     }
@@ -124,21 +133,20 @@ class leaving_order {
 
  private:
   void grow() {
-    std::vector<result> ring(ring_.size() * 2);
-    std::vector<std::uint64_t> taken(ring.size() / 64);
-    for (cycle c = base_; c < base_ + ring_.size(); ++c) {
-      const std::size_t slot = c & (ring_.size() - 1);
-      if ((taken_[slot / 64] >> (slot % 64) & 1) == 0) continue;
-      const std::size_t to = c & (ring.size() - 1);
-      ring[to] = ring_[slot];
+    std::vector<T> slots(slots_.size() * 2);
+    std::vector<std::uint64_t> taken(slots.size() / 64);
+    for (cycle c = base_; c < base_ + slots_.size(); ++c) {
+      const std::size_t at = c & (slots_.size() - 1), to = c & (slots.size() - 1);
+      if ((taken_[at / 64] >> (at % 64) & 1) == 0) continue;
+      slots[to] = slots_[at];
       taken[to / 64] |= std::uint64_t{1} << (to % 64);
     }
-    ring_ = std::move(ring);
-    taken_ = std::move(taken);
+    slots_.swap(slots);
+    taken_.swap(taken);
   }
 
   cycle base_ = 0;
-  std::vector<result> ring_ = std::vector<result>(4096);
+  std::vector<T> slots_ = std::vector<T>(4096);
   std::vector<std::uint64_t> taken_ = std::vector<std::uint64_t>(4096 / 64);
 };
 
@@ -163,7 +171,7 @@ template <class Sums, bool Overlaps>
 struct core_schedule : core_times<Sums> {
   explicit core_schedule(unsigned /*rays_in_flight*/) {}
 
-  /// Its ray ends, and the result is there from cycle `done_` on.
+  /// Its ray ends, and the result is there from cycle `done` on.
   void dispatch(cycle /*end*/, cycle done, std::uint32_t which) {
     ++this->jobs;
     done_ = done;

@@ -37,7 +37,9 @@ run_inputs::run_inputs(run_setup& s, const std::filesystem::path& job_file, unsi
 }
 
 void run_inputs::walk(const run_setup& s, unsigned threads) {
-  if (quickest_pace(s) == run_pace::replay) walked = walk_rays(*model->walker(s.hardware), sent.packets, threads);
+  if (quickest_pace(s) != run_pace::replay) return;
+  walker = model->walker(s.hardware);
+  walked = walk_rays(*walker, sent.packets, threads);
 }
 
 traced_run trace(const run_setup& s, const run_inputs& inputs, const run_manner& manner) {
@@ -49,9 +51,8 @@ traced_run trace(const run_setup& s, const run_inputs& inputs, const run_manner&
     if (manner.window)
       throw input_error("--vcd", "--pace replay, which has no signals", "--pace skipping, which is quick outside the window");
     check_replayable(s.hardware, s.bench);
-    const auto walk = inputs.model->walker(s.hardware);
-    run.figures = inputs.walked ? replay(s.hardware, s.bench, *walk, *inputs.walked, manner.each)
-                                : replay(s.hardware, s.bench, *walk, jobs, manner.threads, manner.each);
+    run.figures = inputs.walked ? replay(s.hardware, s.bench, *inputs.walker, *inputs.walked, manner.each)
+                                : replay(s.hardware, s.bench, *inputs.model->walker(s.hardware), jobs, manner.threads, manner.each);
     run.speed.followed = run.figures.followed;
   } else {
     simulation sim(s.hardware, s.bench, inputs.model->memories(), jobs, static_cast<pace>(manner.pace), manner.window);

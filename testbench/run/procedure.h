@@ -40,7 +40,8 @@ struct run_inputs {
 
   std::unique_ptr<loaded_model> model;
   sent_jobs sent;
-  std::unique_ptr<const walked_rays> walked;  ///< null where nobody shares them
+  std::unique_ptr<const ray_walker> walker;   ///< null where nobody shares walks
+  std::unique_ptr<const walked_rays> walked;  ///< its
   nlohmann::ordered_json record;              ///< sizes and checksums; files by their names, those that nobody gave empty
 };
 

@@ -1,6 +1,7 @@
 #include "testbench/sweep/results_folder.h"
 
 #include <fcntl.h>
+#include <poll.h>
 #include <sys/file.h>
 #include <unistd.h>
 
@@ -11,7 +12,6 @@
 #include <fstream>
 #include <iterator>
 #include <system_error>
-#include <thread>
 
 #include <fmt/format.h>
 
@@ -28,6 +28,7 @@ using json = nlohmann::ordered_json;
 namespace fs = std::filesystem;
 
 constexpr int folder_version = 2;
+constexpr int lock_patience_ms = 20;
 constexpr std::string_view part_start = ".part-";
 
 /// What a file of the folder holds now; nothing if it can't be read. It is no input of the sweep, so that no ledger notes or keeps it.
@@ -130,7 +131,7 @@ void results_folder::lock(use how, bool tell) {
     if (tell) fmt::print(stderr, "rtusim: waiting for another sweep in {} to end\n", config::printable(out_.string()));
     while (flock(lock_, kind | LOCK_NB) != 0) {  // and not without LOCK_NB: a signal just before would be noticed by none
       if (interrupts::came()) throw simulation_error("sweep: interrupted while it waited for another sweep in " + out_.string());
-      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+      ::poll(nullptr, 0, lock_patience_ms);  // a signal ends it
     }
   } else if (error != 0) {
     fmt::print(stderr, "rtusim: warning: {} lies where no locks are known: one sweep at a time\n", config::printable(out_.string()));
