@@ -55,14 +55,21 @@ void bih_core::accept(const triangle_job& job) {
   sums_ += stats::of(all);
 }
 
-void bih_core::edge() {
-  const bool taken = result_out->fired();
-  const bool accepted = job_in->fired();
-  if (taken) {
-    oldest_ = oldest_ + 1 < flights_.size() ? oldest_ + 1 : 0;
-    --in_flight_;
-  }
-  if (accepted) accept(job_in->data());
+void bih_core::arrives(channel_base& job) {
+  accept(static_cast<channel<triangle_job>&>(job).data());
+  ready_ = false;
+  offer_ready();
+  if (in_flight_ == 1) offer_oldest();
+}
+
+void bih_core::leaves(channel_base&) {
+  oldest_ = oldest_ + 1 < flights_.size() ? oldest_ + 1 : 0;
+  --in_flight_;
+  offer_ready();
+  if (in_flight_ != 0) offer_oldest();
+}
+
+void bih_core::offer_ready() {
   const bool room = in_flight_ < flights_.size();
   const bool ready = room && now() + 1 >= free_from_;
   if (ready != ready_) {
@@ -70,14 +77,12 @@ void bih_core::edge() {
     job_in->offer_ready(ready ? offer::always_from(now() + 1) : offer::none());
   }
   // The scheduler wants to hear of a ready core as it becomes so.
-  if (taken || accepted) book_edge(room && !ready ? free_from_ - 1 : never);
-  if (!taken && !accepted) return;
-  if (in_flight_ == 0) {
-    result_out->offer_valid(offer::none());
-  } else if (taken || in_flight_ == 1) {
-    result_out->drive(oldest().result);
-    result_out->offer_valid(offer::always_from(std::max(oldest().available, now() + 1)));
-  }
+  book_edge(room && !ready ? free_from_ - 1 : never);
+}
+
+void bih_core::offer_oldest() {
+  result_out->drive(oldest().result);
+  result_out->offer_valid(offer::always_from(std::max(oldest().available, now() + 1)));
 }
 
 void bih_core::step_machine() {
@@ -89,8 +94,7 @@ void bih_core::step_machine() {
 }
 
 void bih_core::settle_registers() {
-  // next_edge() still counts the edge being done when the domain settles after it.
-  const cycle target = domain().next_edge();
+  const cycle target = next_edge();
   if (accepted_ != never && machine_edge_ <= accepted_) {
     // Either the machine stands where the last job left it, or it never stepped through that job.
     machine_ = bih_machine(params_, memory_);
@@ -121,7 +125,7 @@ std::optional<unit_timing> bih_core::timing() const {
 
 bih_core::stats bih_core::statistics() {
   stats s = sums_;
-  const cycle next = domain().next_edge();
+  const cycle next = next_edge();
   if (accepted_ != never && next <= free_from_) {
     settle_registers();
     s.visits -= outcome_.visits;

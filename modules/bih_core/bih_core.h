@@ -58,6 +58,9 @@ class bih_core final : public unit {
   bih_core(const sc_core::sc_module_name& name, const params& p, const bih_memory& memory, const std::shared_ptr<const bih_tables>& tables,
            unsigned index);
 
+  void arrives(channel_base& job) override;
+  void leaves(channel_base&) override;
+  void booked_edge() override { offer_ready(); }
   std::optional<unit_timing> timing() const override;
   /// Figures of all cycles before the next edge; a ray under way counts as far as it has come.
   stats statistics();
@@ -71,11 +74,12 @@ class bih_core final : public unit {
 
   void connect() override;
   void reset() override;
-  void edge() override;
   void settle_registers() override;
   bool level(const channel_base& port) const override;
   void trace(waveform& w) const override;
   void accept(const triangle_job& job);
+  void offer_ready();
+  void offer_oldest();
   flight& oldest() { return flights_[oldest_]; }
   const flight& oldest() const { return flights_[oldest_]; }
   void step_machine();

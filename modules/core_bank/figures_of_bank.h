@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
+#include "modules/config/unit_figures.h"
 #include "modules/result_manager/result_manager_params.h"
 #include "modules/scheduler/scheduler_params.h"
-#include "modules/timing/unit_figures.h"
 
 namespace rtusim {
 

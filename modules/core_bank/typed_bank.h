@@ -10,6 +10,7 @@
 #include "modules/core_bank/core_bank.h"
 #include "modules/result_manager/result_manager.h"
 #include "modules/scheduler/scheduler.h"
+#include "modules/timing/link.h"
 
 namespace rtusim {
 
@@ -20,6 +21,8 @@ class typed_bank : public core_bank {
  public:
   using job_type = typename Core::job_type;
   using result_type = typename Core::result_type;
+  using job_link = link<job_type, scheduler<job_type>, Core>;
+  using result_link = link<result_type, Core, result_manager<result_type>>;
   static_assert(std::is_base_of_v<core_job, job_type> && std::is_base_of_v<traversal_result, result_type>);
 
   template <class Make>
@@ -28,8 +31,8 @@ class typed_bank : public core_bank {
         scheduler_("scheduler", p.policy, p.cores),
         cores_("core", p.cores, make_core),
         result_manager_("result_manager", p.results, p.cores),
-        core_job_("core_job", p.cores, [](const char* n, std::size_t) { return new channel<job_type>(n); }),
-        core_result_("core_result", p.cores, [](const char* n, std::size_t) { return new channel<result_type>(n); }) {
+        core_job_("core_job", p.cores, [](const char* n, std::size_t) { return new job_link(n); }),
+        core_result_("core_result", p.cores, [](const char* n, std::size_t) { return new result_link(n); }) {
     check_begins_with<core_job, job_type>();
     check_begins_with<traversal_result, result_type>();
     job_manager_.out(pending_job_);
@@ -68,9 +71,9 @@ class typed_bank : public core_bank {
   scheduler<job_type> scheduler_;
   sc_core::sc_vector<Core> cores_;
   result_manager<result_type> result_manager_;
-  channel<job_type> pending_job_{"pending_job"};
-  sc_core::sc_vector<channel<job_type>> core_job_;
-  sc_core::sc_vector<channel<result_type>> core_result_;
+  link<job_type, Manager, scheduler<job_type>> pending_job_{"pending_job"};
+  sc_core::sc_vector<job_link> core_job_;
+  sc_core::sc_vector<result_link> core_result_;
 };
 
 }  // namespace rtusim

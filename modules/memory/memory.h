@@ -61,7 +61,6 @@ class memory final : public unit, public memory_interface {
  private:
   // Read within the cycle, it has no register.
   void reset() override {}
-  void edge() override {}
   bool level(const channel_base&) const override { return false; }
   void trace(waveform&) const override {}
 

@@ -30,6 +30,8 @@ class result_manager final : public unit {
 
   result_manager(const sc_core::sc_module_name& name, const params& p, unsigned cores);
 
+  void arrives(channel_base& in) override;
+  void leaves(channel_base&) override;
   const Result& payload_at(cycle c) const;
   std::optional<unit_timing> timing() const override;
   const result_manager_stats& statistics() const { return stats_; }
@@ -38,20 +40,20 @@ class result_manager final : public unit {
  private:
   void connect() override;
   void reset() override;
-  void edge() override;
-  void settle_registers() override;
   bool level(const channel_base& port) const override;
   void trace(waveform& w) const override;
+  void offer_result(bool taken);
   unsigned selected(cycle c) const;
+  unsigned select() const { return selected(next_edge()); }
 
   bool valid_withdrawn_;  // with one buffer the select has nowhere to turn to
   rotating_select full_;  // the select, and which buffers are full
   std::vector<Result> buffers_;
   std::vector<cycle> came_;  // when each took its result
   result_manager_stats stats_;
-  cycle offered_from_ = never;  // where an offer stays: since when the buffer under the select is offered
-  unsigned shown_select_ = 0;
-  std::vector<std::uint8_t> shown_full_;
+  cycle offered_from_ = never;  // where an offer stays: since when the select stands, and where
+  unsigned offered_ = 0;
+  std::vector<std::uint8_t> is_full_;  // as a waveform shows it
 };
 
 template <class Result>
@@ -62,12 +64,12 @@ result_manager<Result>::result_manager(const sc_core::sc_module_name& name, cons
       full_(cores),
       buffers_(cores),
       came_(cores),
-      shown_full_(cores) {}
+      is_full_(cores) {}
 
 template <class Result>
 void result_manager<Result>::connect() {
-  for (unsigned i = 0; i < core_in.size(); ++i) core_in[i]->report_arrivals_as(i);
-  result_out->drive_from(*this);
+  for (unsigned i = 0; i < core_in.size(); ++i) core_in[i]->set_input_index(i);
+  if (valid_withdrawn_) result_out->drive_from(*this);
 }
 
 template <class Result>
@@ -87,7 +89,7 @@ std::optional<unit_timing> result_manager<Result>::timing() const {
 
 template <class Result>
 unsigned result_manager<Result>::selected(cycle c) const {
-  return full_.selected(valid_withdrawn_ ? c : std::min(c, offered_from_));
+  return valid_withdrawn_ || c < offered_from_ ? full_.selected(c) : offered_;
 }
 
 template <class Result>
@@ -96,27 +98,36 @@ const Result& result_manager<Result>::payload_at(cycle c) const {
 }
 
 template <class Result>
-void result_manager<Result>::edge() {
-  const bool taken = result_out->fired();
-  if (!taken && arrivals().empty()) return;
-  result_out->settle_valid();
-  if (taken) {
-    const unsigned core = selected(now());
-    full_.set_line(core, false);
-    stats_.results.add(now() - came_[core]);
-    core_in[core]->offer_ready(offer::always_from(now() + 1));
-    if (!valid_withdrawn_) full_.select(core + 1 < full_.lines() ? core + 1 : 0, now() + 1);
-  }
-  for (const unsigned core : arrivals()) {
-    buffers_[core] = core_in[core]->data();
-    came_[core] = now();
-    full_.set_line(core, true);
-    core_in[core]->offer_ready(offer::none());
-  }
+void result_manager<Result>::arrives(channel_base& in) {
+  const unsigned core = in.input_index();
+  if (valid_withdrawn_) result_out->settle_valid();
+  buffers_[core] = static_cast<channel<Result>&>(in).data();
+  came_[core] = now();
+  full_.set_line(core, true);
+  is_full_[core] = true;
+  offer_result(false);
+}
+
+template <class Result>
+void result_manager<Result>::leaves(channel_base&) {
+  const unsigned core = selected(now());
+  stats_.results.add(now() - came_[core]);
+  full_.set_line(core, false);
+  is_full_[core] = false;
+  core_in[core]->offer_ready(offer::always_from(now() + 1));
+  if (!valid_withdrawn_) full_.select(core + 1 < full_.lines() ? core + 1 : 0, now() + 1);
+  offer_result(true);
+}
+
+template <class Result>
+void result_manager<Result>::offer_result(bool taken) {
   if (valid_withdrawn_) {
     result_out->offer_valid(offer::in(full_));
   } else if (taken || offered_from_ > now()) {
     offered_from_ = full_.next(now() + 1);
+    if (offered_from_ == never) return;
+    offered_ = full_.selected(offered_from_);
+    result_out->drive(buffers_[offered_]);
     result_out->offer_valid(offer::always_from(offered_from_));
   }
 }
@@ -130,16 +141,10 @@ bool result_manager<Result>::level(const channel_base& port) const {
 }
 
 template <class Result>
-void result_manager<Result>::settle_registers() {
-  shown_select_ = selected(domain().next_edge());
-  for (unsigned i = 0; i < shown_full_.size(); ++i) shown_full_[i] = full_.line(i);
-}
-
-template <class Result>
 void result_manager<Result>::trace(waveform& w) const {
   const std::string n = name();
-  w.add(shown_select_, n + ".select", 16);
-  for (unsigned i = 0; i < shown_full_.size(); ++i) w.add(shown_full_[i], n + ".full_" + std::to_string(i), 1);
+  w.add_from<&result_manager::select>(*this, n + ".select", 16);
+  for (unsigned i = 0; i < is_full_.size(); ++i) w.add(is_full_[i], n + ".full_" + std::to_string(i), 1);
 }
 
 }  // namespace rtusim

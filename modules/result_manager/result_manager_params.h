@@ -4,7 +4,7 @@
 
 #include "modules/config/report.h"
 #include "modules/config/section.h"
-#include "modules/timing/wait_stats.h"
+#include "modules/config/wait_stats.h"
 
 namespace rtusim {
 

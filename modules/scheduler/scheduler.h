@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 #include <variant>
+#include <vector>
 
 #include "modules/config/error.h"
 #include "modules/scheduler/scheduler_params.h"
@@ -31,6 +32,7 @@ class scheduler final : public junction {
 
   scheduler(const sc_core::sc_module_name& name, const params& p, unsigned cores);
 
+  void arrives(channel_base& job) override;
   std::uint64_t valid_cycles(unsigned which) override;
   bool points_at(unsigned which, cycle c) const override;
   const Job& payload_at(cycle c) const { return job_in->offered(c); }
@@ -41,18 +43,17 @@ class scheduler final : public junction {
  private:
   void connect() override;
   void reset() override;
-  void settle_registers() override;
   bool level(const channel_base& port) const override;
   void trace(waveform& w) const override;
   void output_ready(unsigned which, bool ready) override;
   void input_valid(cycle from, cycle to) override;
-  channel_base& pass(cycle c) override;
   unsigned selected(cycle c) const;
+  unsigned select() const { return selected(next_edge()); }
 
+  std::vector<channel<Job>*> cores_;
   scheduler_policies::any policy_;
   scheduler_stats stats_;
-  cycle after_last_ = 0;  // the cycle after that of the last job
-  unsigned shown_select_ = 0;
+  std::uint64_t offered_cycles_ = 0;  // of the job that is offered
 };
 
 template <class Job>
@@ -65,8 +66,9 @@ template <class Job>
 void scheduler<Job>::connect() {
   own_input(*job_in.operator->());
   for (unsigned i = 0; i < core_out.size(); ++i) {
-    own_output(*core_out[i].operator->(), i);
-    core_out[i]->drive_from(*this);
+    cores_.push_back(core_out[i].operator->());
+    own_output(*cores_[i], i);
+    cores_[i]->drive_from(*this);
   }
 }
 
@@ -100,6 +102,7 @@ void scheduler<Job>::output_ready(unsigned which, bool ready) {
 
 template <class Job>
 void scheduler<Job>::input_valid(cycle from, cycle to) {
+  offered_cycles_ += to - from;
   std::visit([from, to](auto& policy) { policy.offered(from, to); }, policy_);
 }
 
@@ -110,17 +113,18 @@ std::uint64_t scheduler<Job>::valid_cycles(unsigned which) {
 }
 
 template <class Job>
-channel_base& scheduler<Job>::pass(cycle c) {
-  stats_.jobs.add(c - std::max(job_in->valid().from, after_last_));
-  after_last_ = c + 1;
-  return std::visit(
-      [&](auto& policy) -> channel_base& {
-        const unsigned core = policy.selected(c);
-        RTU_CHECK(core, <, core_out.size());
-        channel_base& out = *core_out[core].operator->();
-        RTU_CHECK(out.ready().asserts(c), ==, true);
-        if (policy.take(core)) job_in->offer_ready(policy.ready());
-        return out;
+void scheduler<Job>::arrives(channel_base& job) {
+  stats_.jobs.add(offered_cycles_ - 1);
+  offered_cycles_ = 0;
+  std::visit(
+      [&](auto& policy) {
+        const unsigned core = policy.selected(now());
+        RTU_CHECK(core, <, cores_.size());
+        RTU_CHECK(cores_[core]->ready().asserts(now()), ==, true);
+        policy.take(core);
+        cores_[core]->carry(static_cast<channel<Job>&>(job).data());
+        end_transfer();
+        job.offer_ready(policy.ready());
       },
       policy_);
 }
@@ -138,13 +142,8 @@ bool scheduler<Job>::level(const channel_base& port) const {
 }
 
 template <class Job>
-void scheduler<Job>::settle_registers() {
-  shown_select_ = selected(next_edge());
-}
-
-template <class Job>
 void scheduler<Job>::trace(waveform& w) const {
-  w.add(shown_select_, std::string(name()) + ".select", 16);
+  w.add_from<&scheduler::select>(*this, std::string(name()) + ".select", 16);
 }
 
 }  // namespace rtusim

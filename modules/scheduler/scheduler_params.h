@@ -2,8 +2,8 @@
 
 #include "modules/config/report.h"
 #include "modules/config/section.h"
+#include "modules/config/wait_stats.h"
 #include "modules/scheduler/policies/policies.h"
-#include "modules/timing/wait_stats.h"
 
 namespace rtusim {
 

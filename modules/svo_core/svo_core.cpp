@@ -42,27 +42,24 @@ void svo_core::accept(const traversal_job& job) {
   released_ = never;
 }
 
-void svo_core::edge() {
-  if (job_in->fired()) {
-    accept(job_in->data());
-    job_in->offer_ready(offer::none());
-    result_out->offer_valid(offer::always_from(now() + outcome_.cost + 1));
-  } else if (result_out->fired()) {
-    ++jobs_;
-    hits_ += outcome_.hit;
-    cost_ += outcome_.cost;
-    pushes_ += outcome_.pushes;
-    depth_ += outcome_.depth;
-    ends_ += !outcome_.hit && outcome_.cost > 2;
-    released_ = now();
-    result_out->offer_valid(offer::none());
-    job_in->offer_ready(offer::always_from(now() + 1));
-  }
+void svo_core::arrives(channel_base& job) {
+  accept(static_cast<channel<traversal_job>&>(job).data());
+  result_out->offer_valid(offer::always_from(now() + outcome_.cost + 1));
+}
+
+void svo_core::leaves(channel_base&) {
+  ++jobs_;
+  hits_ += outcome_.hit;
+  cost_ += outcome_.cost;
+  pushes_ += outcome_.pushes;
+  depth_ += outcome_.depth;
+  ends_ += !outcome_.hit && outcome_.cost > 2;
+  released_ = now();
+  job_in->offer_ready(offer::always_from(now() + 1));
 }
 
 void svo_core::settle_registers() {
-  // next_edge() still counts the edge being done when the domain settles after it.
-  const cycle target = domain().next_edge();
+  const cycle target = next_edge();
   if (accepted_ == never) {
     machine_edge_ = target;
   } else {

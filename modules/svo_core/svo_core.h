@@ -51,6 +51,8 @@ class svo_core final : public unit, public memory_reader {
   /// `index`: which core of the RTU it is, for its results.
   svo_core(const sc_core::sc_module_name& name, const params& p, unsigned index);
 
+  void arrives(channel_base& job) override;
+  void leaves(channel_base&) override;
   std::optional<unit_timing> timing() const override;
   /// Figures of all cycles before the next edge.
   stats statistics();
@@ -60,7 +62,6 @@ class svo_core final : public unit, public memory_reader {
  private:
   void connect() override;
   void reset() override;
-  void edge() override;
   void settle_registers() override;
   bool level(const channel_base& port) const override;
   void trace(waveform& w) const override;

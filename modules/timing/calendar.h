@@ -47,7 +47,8 @@ class calendar {
   /// The cycle of the earliest booking, or never.
   cycle earliest();
 
-  /// Takes all bookings of cycle c (which must not be after the earliest) and calls `due` with each; their `at` is never from then on.
+  /// Takes all bookings of cycle c (which must not be after the earliest) and calls `due` with each. Their `at` stays c: whoever takes
+  /// them sets it to never before they may be booked again.
   template <class Due>
   void take(cycle c, Due&& due) {
     advance(c);
@@ -55,7 +56,6 @@ class calendar {
     while (wheel_[slot] != nullptr) {
       booking& b = *wheel_[slot];
       unlink(b);
-      b.at = never;
       due(b);
     }
     occupied_[slot / 64] &= ~(std::uint64_t{1} << (slot % 64));

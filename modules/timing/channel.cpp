@@ -22,34 +22,70 @@ void channel_base::register_port(sc_core::sc_port_base& port, const char*) {
 void channel_base::tell_upstream() {
   RTU_CHECK(ready_.when == nullptr, ==, true);
   RTU_CHECK(ready_.from == never || ready_.from <= clock_->next, ==, true);
-  upstream_->output_ready(output_, ready_.from != never);
+  upstream_->hear(output_, ready_.from != never);
 }
 
-void channel_base::tell_junction(cycle end) {
+void channel_base::tell_junction() {
   RTU_CHECK(valid_.when == nullptr, ==, true);
-  const cycle begin = std::max(valid_since_, valid_.from);
-  if (begin < end) downstream_->input_valid(begin, end);
+  downstream_->input_valid(valid_.from, clock_->next);
 }
 
-cycle channel_base::first_meeting(cycle from, cycle horizon) const {
-  for (cycle v = valid_.next(from); v <= horizon;) {
+void channel_base::remember_valid() {
+  if (revised_ == clock_->now) return;
+  revised_ = clock_->now;
+  was_valid_ = valid_.asserts(revised_);
+}
+
+bool channel_base::pass() {
+  if (ready_.from > ready_until_) return false;
+  count_ready();
+  ++ready_cycles_;
+  ready_.from = never;
+  if (!(revised_ == clock_->now ? was_valid_ : valid_.asserts(clock_->now))) return false;
+  at = clock_->now;
+  fire();
+  return true;
+}
+
+void channel_base::book_transfer() {
+  cycle first = std::max({clock_->next, valid_.from, ready_.from});
+  if (first != never) {
+    if (valid_.when != nullptr || ready_.when != nullptr)
+      first = first_meeting(first);
+    else if (first >= ready_until_)
+      first = never;
+  }
+  clock_->bookings.book(*this, first);
+}
+
+cycle channel_base::first_meeting(cycle from) const {
+  if (valid_.when == nullptr && ready_until_ == never) return ready_.when->next(from);
+  const cycle horizon = clock_->next + clock_->watchdog;
+  for (cycle v = valid_.next(from); v <= horizon && v < ready_until_;) {
     const cycle r = ready_.next(v);
     if (r == v) return v;
     if (r > horizon) break;
     v = valid_.next(r);
-    if (v == r) return v;
   }
   return never;
 }
 
+// Where the other side asserts all the while, the first cycle of the pattern is that of the transfer.
+std::uint64_t channel_base::pattern_valid() const {
+  const bool met = ready_.when == nullptr && ready_.from <= valid_.from && ready_until_ == never;
+  return met ? is_due() : valid_.when->count(valid_.from, clock_->next);
+}
+
+std::uint64_t channel_base::pattern_ready() const {
+  const bool met = valid_.when == nullptr && valid_.from <= ready_.from;
+  return met ? is_due() : ready_.when->count(ready_.from, std::min(clock_->next, ready_until_));
+}
+
 channel_stats channel_base::stats() {
-  settle_ready();
-  if (upstream_ == nullptr)
-    settle_valid();
-  else
-    valid_cycles_ = upstream_->valid_cycles(output_);
-  const std::uint64_t all = clock_->next;
-  return {transfers_, ready_cycles_ - transfers_, valid_cycles_ - transfers_, all + transfers_ - valid_cycles_ - ready_cycles_};
+  settle_valid();
+  const std::uint64_t valid = upstream_ == nullptr ? valid_cycles_ : upstream_->valid_cycles(output_);
+  const std::uint64_t ready = ready_cycles_ + present_ready();
+  return {transfers_, ready - transfers_, valid - transfers_, clock_->next + transfers_ - valid - ready};
 }
 
 bool channel_base::valid_level(cycle c) const {
@@ -59,15 +95,22 @@ bool channel_base::valid_level(cycle c) const {
 
 bool channel_base::ready_level() const { return consumer_->level(*this); }
 
+bool channel_base::is_ready(cycle c) const {
+  if (c < ready_until_) return ready_.asserts(c);
+  return through_ != nullptr && ready_.from <= ready_until_ && through_->will_fire(c);
+}
+
+bool channel_base::will_fire(cycle c) const { return at == c || (through_ != nullptr && valid_.asserts(c) && is_ready(c)); }
+
 void channel_base::check_levels(cycle c) {
   const bool v = valid_level(c);
   const bool r = ready_level();
   if (upstream_ == nullptr) {
-    if (v != valid_.asserts(c) || r != ready_.asserts(c) || (v && r) != (at == c))
+    if (v != valid_.asserts(c) || r != is_ready(c) || (v && r) != will_fire(c))
       throw simulation_error(fmt::format("{}: offers and registers differ in cycle {}: valid {} against {}, ready {} against {}, fires {}",
-                                         name(), c, valid_.asserts(c), v, ready_.asserts(c), r, at == c));
-  } else if (r != ready_.asserts(c)) {
-    throw simulation_error(fmt::format("{}: offered ready {} differs from the registers' in cycle {}", name(), ready_.asserts(c), c));
+                                         name(), c, valid_.asserts(c), v, is_ready(c), r, will_fire(c)));
+  } else if (r != is_ready(c)) {
+    throw simulation_error(fmt::format("{}: offered ready {} differs from the registers' in cycle {}", name(), is_ready(c), c));
   }
   checked_valid_cycles_ += v;
   checked_ready_cycles_ += r;

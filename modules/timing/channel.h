@@ -29,56 +29,54 @@ struct channel_stats {
   void describe(config::report& r) const;
 };
 
-/// A ready/valid channel without its payload: two offers and the first cycle in which both assert.
+/// A ready/valid channel without its payload: two offers and the first cycle in which both assert. At that edge it hands the payload to
+/// the consumer and tells the producer.
 class channel_base : public sc_core::sc_object, public virtual sc_core::sc_interface, public booking {
  public:
   enum class side : std::uint8_t { valid, ready };
 
-  /// Whether it transfers at the edge being done.
-  bool fired() const { return last_fire_ == clock_->now && last_fire_ != never; }
-  /// The cycle of the next transfer if nothing else fires before, or never.
-  cycle fires_at() const { return at; }
-  cycle last_fire() const { return last_fire_; }
+  /// Whether it transfers at the edge being done, and has not yet.
+  bool is_due() const { return at == clock_->now && last_transfer_ != clock_->now; }
   std::uint64_t transfers() const { return transfers_; }
 
   // They and what they call run several times a ray, and GCC stops inlining them where many units meet in one source.
-  /// Replaces the producer's (consumer's) offer from the next cycle on.
+  /// Replaces the producer's (consumer's) offer from the next cycle on. It ends with the transfer: to go on, offer again.
   [[gnu::always_inline]] void offer_valid(offer o) {
-    settle_valid();
-    valid_ = o;
-    mark_dirty();
+    if (through_ != nullptr) remember_valid();
+    count_valid();
+    valid_ = {std::max(o.from, clock_->next), o.when};
+    if (ready_.from != never) solve();
   }
-  [[gnu::always_inline]] void offer_ready(offer o) {
-    settle_ready();
-    ready_ = o;
-    if (upstream_ == nullptr)
-      mark_dirty();
-    else
+  /// `until`: from here on not, but see `ready_through`.
+  [[gnu::always_inline]] void offer_ready(offer o, cycle until = never) {
+    count_ready();
+    ready_ = {std::max(o.from, clock_->next), o.when};
+    ready_until_ = until;
+    if (upstream_ != nullptr)
       tell_upstream();
+    else if (valid_.from != never)
+      solve();
   }
-  /// Call before the pattern behind the present ready (valid) offer changes its mind, then offer again.
-  [[gnu::always_inline]] void settle_valid() {
-    const cycle end = clock_->next;
-    if (end == valid_since_) return;
-    if (downstream_ != nullptr) tell_junction(end);
-    // Where the other side asserts all the while, each asserted cycle was a transfer.
-    const bool met = valid_.when != nullptr && ready_.when == nullptr && std::max(ready_.from, ready_since_) <= valid_since_;
-    valid_cycles_ += met ? transfers_ - valid_settled_ : valid_.count(valid_since_, end);
-    valid_settled_ = transfers_;
-    valid_since_ = end;
+  /// Call before the pattern behind the present valid (ready) offer changes its mind, then offer again.
+  void settle_valid() {
+    count_valid();
+    if (valid_.from < clock_->next) valid_.from = clock_->next;
   }
-  [[gnu::always_inline]] void settle_ready() {
-    const cycle end = clock_->next;
-    if (end == ready_since_) return;
-    const bool met = ready_.when != nullptr && valid_.when == nullptr && std::max(valid_.from, valid_since_) <= ready_since_;
-    ready_cycles_ += met ? transfers_ - ready_settled_ : ready_.count(ready_since_, end);
-    ready_settled_ = transfers_;
-    ready_since_ = end;
+  void settle_ready() {
+    if (ready_.when == nullptr) return;
+    count_ready();
+    if (ready_.from < clock_->next) ready_.from = clock_->next;
   }
-  /// A consumer with many inputs lists the transfers of this one as `which` in its `arrivals`.
-  void report_arrivals_as(unsigned which) { arrival_ = which; }
   const offer& valid() const { return valid_; }
   const offer& ready() const { return ready_; }
+
+  /// A consumer with many inputs tells them apart by a number of its own.
+  void set_input_index(unsigned i) { input_index_ = i; }
+  unsigned input_index() const { return input_index_; }
+  /// The consumer is ready, beside its own offer, at the transfers of its output `out` from the end of that offer on, unless the offer ends
+  /// before it begins: its stages then move together. It calls `pass` at each of these, which tells whether this channel transferred.
+  void ready_through(channel_base& out) { through_ = &out; }
+  bool pass();
 
   /// Division of all cycles before the next edge.
   channel_stats stats();
@@ -101,11 +99,33 @@ class channel_base : public sc_core::sc_object, public virtual sc_core::sc_inter
   explicit channel_base(const char* name);
   void register_port(sc_core::sc_port_base& port, const char* interface_name) override;
 
+  /// Called at the end of elaboration.
+  virtual void bind_ends(unit&, unit&) {}
+  /// Tells the consumer and the producer of a transfer.
+  virtual void hand_over() {
+    consumer_->arrives(*this);
+    producer_->leaves(*this);
+  }
   /// Copies the payload that is offered in cycle c to where a waveform looks, zeros without an offer.
   virtual void show(cycle c, bool valid) = 0;
   virtual void trace_payload(waveform& w) const = 0;
 
   const void* payload_at(cycle c) const { return pick_ == nullptr ? payload_ : pick_(picker_, c); }
+  void transfer(const void* payload) {
+    const cycle c = clock_->now;
+    last_transfer_ = clock_->last_transfer = c;
+    ++transfers_;
+    transferred_ = payload;
+    if (notify_ != nullptr) notify_(observer_, which_, c, payload);
+    hand_over();
+  }
+
+  /// Without an offer of valid of its own.
+  void transfer_within(const void* payload) {
+    count_ready();
+    end(ready_);
+    transfer(payload);
+  }
 
   const void* payload_ = nullptr;  // what is offered, where that does not depend on the cycle
   const void* (*pick_)(const void* picker, cycle c) = nullptr;
@@ -120,21 +140,44 @@ class channel_base : public sc_core::sc_object, public virtual sc_core::sc_inter
   friend class junction;
   friend class waveform;
 
-  static constexpr unsigned unlisted = ~0u;
-
-  [[gnu::always_inline]] void mark_dirty() {
-    if (dirty_) return;
-    dirty_ = true;
-    clock_->dirty[rank_].push(this);
+  /// The transfer of this edge. Both sides offer anew in it; it is solved once, at its end.
+  void fire() {
+    count_valid();
+    count_ready();
+    end(valid_);
+    end(ready_);
+    transfer(payload_at(clock_->now));
+    at = never;
+    if (valid_.from != never && ready_.from != never) book_transfer();
   }
-  void tell_junction(cycle end);
+  [[gnu::always_inline]] void solve() {
+    if (at != clock_->now) book_transfer();  // else what was offered before transfers at this edge, and it is solved after that
+  }
+  void book_transfer();
+  cycle first_meeting(cycle from) const;
+  /// The offer does, with a transfer, unless it was made at this edge.
+  void end(offer& o) {
+    if (o.from < clock_->next) o.from = never;
+  }
+  // Asserted cycles of the present offer, of those before the next edge.
+  void count_valid() {
+    if (valid_.from >= clock_->next) return;
+    if (downstream_ != nullptr) tell_junction();
+    valid_cycles_ += valid_.when == nullptr ? clock_->next - valid_.from : pattern_valid();
+  }
+  void count_ready() { ready_cycles_ += present_ready(); }
+  [[gnu::always_inline]] std::uint64_t present_ready() const {
+    const cycle stop = std::min(clock_->next, ready_until_);
+    if (ready_.from >= stop) return 0;
+    return ready_.when == nullptr ? stop - ready_.from : pattern_ready();
+  }
+  std::uint64_t pattern_valid() const;
+  std::uint64_t pattern_ready() const;
+  void remember_valid();
+  void tell_junction();
   void tell_upstream();
-  cycle first_fire(cycle from, cycle horizon) const {
-    if (valid_.from == never || ready_.from == never) return never;
-    if (valid_.when == nullptr && ready_.when == nullptr) return std::max({from, valid_.from, ready_.from});
-    return first_meeting(from, horizon);
-  }
-  cycle first_meeting(cycle from, cycle horizon) const;
+  bool is_ready(cycle c) const;
+  bool will_fire(cycle c) const;
   void check_levels(cycle c);
   void show_levels(cycle c);
 
@@ -144,39 +187,36 @@ class channel_base : public sc_core::sc_object, public virtual sc_core::sc_inter
   junction* upstream_ = nullptr;    // the junction that drives valid
   junction* downstream_ = nullptr;  // the junction that consumes
   unsigned output_ = 0;             // which output of `upstream_`
-  unsigned arrival_ = unlisted;
+  unsigned input_index_ = 0;
 
   offer valid_;
   offer ready_;
-  cycle valid_since_ = 0;  // cycles before are in valid_cycles_
-  cycle ready_since_ = 0;
-  std::uint64_t valid_cycles_ = 0;
+  cycle ready_until_ = never;
+  std::uint64_t valid_cycles_ = 0;  // of offers before
   std::uint64_t ready_cycles_ = 0;
   std::uint64_t transfers_ = 0;
-  std::uint64_t valid_settled_ = 0;  // of them, when the valid (ready) cycles were counted last
-  std::uint64_t ready_settled_ = 0;
-  cycle last_fire_ = never;
-  bool dirty_ = false;
-  unsigned rank_ = 0;
-  std::vector<channel_base*> dependents_;  // whose offers pass this channel's transfer through
+  cycle last_transfer_ = never;
+  channel_base* through_ = nullptr;  // see `ready_through`
+  cycle revised_ = never;            // the last edge at which valid was, and whether it asserted in that cycle
+  bool was_valid_ = false;
 
-  std::uint64_t checked_valid_cycles_ = 0;  // counted cycle by cycle while checking
-  std::uint64_t checked_ready_cycles_ = 0;
   bool shown_valid_ = false;  // levels of the cycle that a waveform shows
   bool shown_ready_ = false;
+  std::uint64_t checked_valid_cycles_ = 0;  // counted cycle by cycle while checking
+  std::uint64_t checked_ready_cycles_ = 0;
 };
 
 /// A channel of a payload, whose type has a `trace_fields(waveform, name, payload)` beside it.
 template <class T>
-class channel final : public channel_base {
+class channel : public channel_base {
  public:
   explicit channel(const char* name) : channel_base(name) {}
 
-  /// The payload of the transfer at this edge, where the producer keeps it: it lies there untouched until the edge is done.
+  /// The payload of the transfer at this edge, where the producer keeps it: it lies there untouched until the consumer has it.
   const T& data() const { return *static_cast<const T*>(transferred_); }
   /// The payload offered in cycle c, in which valid is asserted.
   const T& offered(cycle c) const { return *static_cast<const T*>(payload_at(c)); }
-  /// Where the payload lies until the edge of its transfer is done.
+  /// Where the payload lies until it is transferred.
   void drive(const T& payload) { payload_ = &payload; }
   /// The payload depends on the cycle: it is `owner.payload_at(c)`.
   template <class Owner>
@@ -187,6 +227,8 @@ class channel final : public channel_base {
       return &payload;
     };
   }
+  /// An output of a junction transfers what the input does.
+  void carry(const T& payload) { transfer_within(&payload); }
   template <class Observer>
   void observe(Observer& observer, unsigned which) {
     observe_as<T>(observer, which);

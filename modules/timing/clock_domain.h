@@ -27,13 +27,13 @@ enum class pace : std::uint8_t {
 
 /// How much work a run was.
 struct clock_stats {
-  std::uint64_t edges = 0;       ///< edges at which units were called
-  std::uint64_t unit_edges = 0;  ///< calls of a unit's edge
+  std::uint64_t edges = 0;       ///< edges that were done
+  std::uint64_t unit_edges = 0;  ///< calls of a unit at an edge
   std::uint64_t wake_ups = 0;    ///< of the SystemC process
 };
 
-/// The one process of a clock. At an edge it lets the channels that fire take over their payload, calls the units that are due,
-/// in any order, and finds the next transfer of the channels whose offers changed.
+/// The one process of a clock. At an edge it lets the channels transfer that are booked for it, in any order, then calls the units that
+/// asked for it. Channels find and book their next transfer themselves, as their offers change.
 ///
 /// Cycle c lasts from SystemC time c periods to c + 1 periods, and its edge closes it: what a waveform shows within the cycle
 /// is what the edge samples. Several edges are done in one wake-up while nothing else in SystemC is pending.
@@ -50,12 +50,12 @@ class clock_domain : public sc_core::sc_module {
   /// The edge to be done next: all before it are done.
   cycle next_edge() const { return clock_.next; }
   const sc_core::sc_time& period() const { return period_; }
-  const clock_stats& stats() const { return stats_; }
+  clock_stats stats() const;
 
   void set_pace(pace p) { pace_ = p; }
   /// A run in which nothing transfers for so many cycles ends with a simulation_error that tells who waits for whom.
-  void set_watchdog(cycle cycles) { watchdog_ = cycles; }
-  /// Calls units in another order at every edge, from a seed: which must change nothing.
+  void set_watchdog(cycle cycles) { clock_.watchdog = cycles; }
+  /// Lets channels transfer and calls units in another order at every edge, from a seed: which must change nothing.
   void shuffle_units(std::uint32_t seed) { shuffle_ = seed; }
   /// Runs the simulation to its end. What a unit throws at an edge comes out here as it was thrown.
   void start();
@@ -71,10 +71,6 @@ class clock_domain : public sc_core::sc_module {
   /// Called about every hundred thousand edges.
   void set_progress(std::function<void()> tick) { tick_ = std::move(tick); }
 
-  /// `offers_of` has an offer that passes the transfers of `source` through.
-  void depends(channel_base& offers_of, channel_base& source);
-  void book(booking& b, cycle at) { calendar_.book(b, at); }
-
   const std::vector<unit*>& units() const { return units_; }
   const std::vector<channel_base*>& channels() const { return channels_; }
 
@@ -86,17 +82,13 @@ class clock_domain : public sc_core::sc_module {
   void add(unit& u);
   clock_state& join(channel_base& c);
   void start_of_simulation() override;
-  void rank_channels();
   sc_core::sc_time begin_of(cycle c) const;
   void wake_up();
   void begin_cycle();
   void run_edges();
   void edge(cycle c);
-  void fire(channel_base& ch, cycle c);
-  void make_due(unit& u);
-  void call_units(cycle c);
-  void resolve();
-  void catch_up();
+  void call_due();
+  void settle_units();
   void check_levels();
   void count_checked();
   [[noreturn]] void report_deadlock() const;
@@ -104,23 +96,20 @@ class clock_domain : public sc_core::sc_module {
 
   sc_core::sc_time period_;
   pace pace_ = pace::skipping;
-  cycle watchdog_ = 1'000'000;
   std::uint32_t shuffle_ = 0;
   clock_state clock_;
-  cycle last_transfer_ = 0;
   bool stopping_ = false;
-  bool alone_ = false;   // whether SystemC has no other process
-  bool current_ = true;  // whether all units' registers stand at next_
-  cycle checked_ = 0;    // cycles whose levels were checked
+  bool alone_ = false;    // whether SystemC has no other process
+  bool settled_ = false;  // whether all units' registers stand at the next edge
+  cycle checked_ = 0;     // cycles whose levels were checked
   std::uint64_t edges_to_tick_ = 0;
   std::function<void()> tick_;
   std::exception_ptr error_;  // SystemC would wrap what leaves a process
   std::function<void(cycle)> watcher_;
 
-  calendar calendar_;
   std::vector<unit*> units_;
   std::vector<channel_base*> channels_;
-  work_list<unit> due_;
+  std::vector<booking*> due_;  // at the edge being done: units; where the order is shuffled, channels too
   clock_stats stats_;
 
   waveform* waveform_ = nullptr;

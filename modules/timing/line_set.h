@@ -27,6 +27,10 @@ class line_set {
   unsigned lowest() const { return first_from(0); }
   /// The first line >= i that is 1, or `lines()`.
   unsigned first_from(unsigned i) const {
+    if (lines_ <= 64) {
+      const std::uint64_t bits = bits_.front() >> i;
+      return bits == 0 ? lines_ : i + static_cast<unsigned>(__builtin_ctzll(bits));
+    }
     for (std::size_t word = i / 64; word < bits_.size(); ++word) {
       std::uint64_t bits = bits_[word];
       if (word == i / 64) bits &= ~std::uint64_t{0} << (i % 64);

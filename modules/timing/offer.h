@@ -25,9 +25,10 @@ class pattern {
   virtual std::uint64_t count(cycle from, cycle to) const = 0;
 };
 
-/// A promise of a port: when it asserts valid (or ready) if nothing fires on its unit before then.
+/// A promise of a port: when it asserts valid (or ready) if nothing transfers on its unit before then. A stamp, and perhaps a question. It
+/// ends with the transfer.
 struct offer {
-  cycle from = never;             ///< not before this cycle
+  cycle from = never;             ///< not before this cycle,
   const pattern* when = nullptr;  ///< and then in these cycles; null: in all
 
   static offer none() { return {}; }
@@ -37,11 +38,6 @@ struct offer {
   cycle next(cycle c) const {
     c = std::max(c, from);
     return when == nullptr || c == never ? c : when->next(c);
-  }
-  [[gnu::always_inline]] std::uint64_t count(cycle begin, cycle end) const {
-    if (when == nullptr) return cycles_from(from, begin, end);
-    begin = std::max(begin, from);
-    return begin < end ? when->count(begin, end) : 0;
   }
   bool asserts(cycle c) const { return next(c) == c; }
 };

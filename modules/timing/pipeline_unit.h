@@ -24,10 +24,22 @@ class pipeline_unit : public unit {
   rv_out<Out> out{"out"};
 
   unsigned stages() const { return pipeline_.stages(); }
+  void arrives(channel_base&) final {
+    const bool is_oldest = pipeline_.empty();
+    process(in->data(), pipeline_.enter(now()));
+    offer_room();
+    if (is_oldest) offer_output();
+  }
+  void leaves(channel_base&) final {
+    pipeline_.leave(now());
+    const bool is_last = pipeline_.empty();
+    if (!in->pass()) offer_room();
+    if (!is_last) offer_output();
+  }
   std::optional<unit_timing> timing() const final {
     unit_timing t;
     t.latency_cycles = stages();
-    t.interval_cycles = static_cast<unsigned>(interval_);
+    t.interval_cycles = pipeline_.interval();
     t.capacity = (stages() - 1) / t.interval_cycles + 1;
     t.ready_passes = true;
     return t;
@@ -35,73 +47,35 @@ class pipeline_unit : public unit {
 
  protected:
   /// 1 <= interval <= stages.
-  pipeline_unit(const sc_core::sc_module_name& name, unsigned stages, unsigned interval = 1)
-      : unit(name), pipeline_(stages), interval_(interval) {
-    moves_when_idle();
-  }
+  pipeline_unit(const sc_core::sc_module_name& name, unsigned stages, unsigned interval = 1) : unit(name), pipeline_(stages, interval) {}
 
   /// The work of all stages, done as the payload enters: nothing depends on when.
   virtual void process(const In& payload, Out& result) = 0;
 
-  void trace(waveform& w) const override { w.add(shown_valid_bits_, std::string(name()) + ".stage_valid", std::min(stages(), 64u)); }
+  void trace(waveform& w) const override {
+    w.add_from<&pipeline_unit::stage_valid>(*this, std::string(name()) + ".stage_valid", std::min(stages(), 64u));
+  }
 
  private:
-  /// Ready: from when the interval is over until the oldest payload is at the output; from then on in the cycle in which that is taken.
-  class flow_through final : public pattern {
-   public:
-    explicit flow_through(const pipeline_unit& owner) : owner_(owner) {}
-    cycle next(cycle c) const override {
-      const cycle first = std::max(c, owner_.room_from_);
-      if (first < owner_.output_from_) return first;
-      const cycle fires = owner_.out->fires_at();
-      return fires >= c && owner_.room_at_output() ? fires : never;
-    }
-    std::uint64_t count(cycle from, cycle to) const override {
-      // The unit settles at every transfer of its output, so at most the last one lies in the interval.
-      const cycle taken = owner_.out->last_fire();
-      const bool one = taken != never && taken >= std::max(from, owner_.output_from_) && taken < to && owner_.room_at_output();
-      return cycles_from(owner_.room_from_, from, std::min(to, owner_.output_from_)) + one;
-    }
-
-   private:
-    const pipeline_unit& owner_;
-  };
-
-  void connect() override { domain().depends(*in.operator->(), *out.operator->()); }
+  void connect() override { in->ready_through(*out.operator->()); }
   void reset() override {
-    in->offer_ready(offer::in(ready_));
+    in->offer_ready(offer::always_from(0));
     out->offer_valid(offer::none());
   }
-  void edge() override {
-    const bool taken = out->fired();
-    const bool entered = in->fired();
-    const bool moved = pipeline_.advance(taken);
-    if (entered) process(in->data(), pipeline_.enter());
-    const cycle from = pipeline_.output_from(now() + 1);
-    if (!moved || (from == output_from_ && !(entered && interval_ > 1))) return;
-    in->settle_ready();
-    if (interval_ > 1) room_from_ = now() + 1 + (interval_ - std::min<cycle>(interval_, pipeline_.since_entry()));
-    in->offer_ready(offer::in(ready_));
-    if (from == output_from_) return;
-    output_from_ = from;
-    if (!pipeline_.empty()) out->drive(pipeline_.output());
-    out->offer_valid(offer::always_from(from));
+  /// Ready from when the interval is over until the oldest payload is at the output; from then on in the cycle in which that is taken.
+  void offer_room() { in->offer_ready(offer::always_from(pipeline_.room_from()), pipeline_.output_from()); }
+  void offer_output() {
+    out->drive(pipeline_.output());
+    out->offer_valid(offer::always_from(pipeline_.output_from()));
   }
-  void idle(cycle n) override { pipeline_.idle(n); }
-  void settle_registers() override { shown_valid_bits_ = pipeline_.valid_bits(); }
   bool level(const channel_base& port) const override {
-    if (&port == out.operator->()) return pipeline_.output_valid();
-    return pipeline_.since_entry() >= interval_ && (!pipeline_.output_valid() || out->ready_level());
+    const bool at_output = next_edge() >= pipeline_.output_from();
+    if (&port == out.operator->()) return at_output;
+    return (at_output ? out->ready_level() : true) && std::min(next_edge(), pipeline_.output_from()) >= pipeline_.room_from();
   }
-  /// Whether the interval is over when the oldest payload is at the output.
-  bool room_at_output() const { return room_from_ <= output_from_; }
+  std::uint64_t stage_valid() const { return pipeline_.valid_bits(next_edge()); }
 
   stall_pipeline<Out> pipeline_;
-  cycle interval_;
-  cycle output_from_ = never;  // when the oldest payload is at the output
-  cycle room_from_ = 0;        // when the interval is over
-  flow_through ready_{*this};
-  std::uint64_t shown_valid_bits_ = 0;
 };
 
 }  // namespace rtusim

@@ -11,7 +11,7 @@ cycle rotating_select::next(cycle c) const {
   if (!any() || c == never) return never;
   const unsigned now = selected(c);
   const unsigned ahead = first_from(now);
-  return ahead < lines() ? c + (ahead - now) : c + (lines() - now) + lowest();
+  return c + (ahead < lines() ? ahead : lines() + lowest()) - now;
 }
 
 std::uint64_t rotating_select::count(cycle from, cycle to) const {

@@ -6,6 +6,4 @@ namespace rtusim {
 
 unit::unit(const sc_core::sc_module_name& name) : sc_module(name), booking(what::unit) { clock_domain::current().add(*this); }
 
-void unit::book_edge(cycle c) { domain_->book(*this, c); }
-
 }  // namespace rtusim

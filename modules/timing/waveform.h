@@ -39,6 +39,12 @@ class waveform {
     const auto value = [](const void* at) { return static_cast<std::uint64_t>(*static_cast<const T*>(at)); };
     variables_.push_back({&variable, value, name, bits != 0 ? bits : all});
   }
+  /// The same of what a member function of `owner` tells.
+  template <auto Member, class Owner>
+  void add_from(const Owner& owner, const std::string& name, unsigned bits) {
+    const auto value = [](const void* at) { return static_cast<std::uint64_t>((static_cast<const Owner*>(at)->*Member)()); };
+    variables_.push_back({&owner, value, name, bits});
+  }
   const packet_widths& widths() const { return widths_; }
 
   /// Starts the file with the values of the coming cycle.

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "modules/config/report.h"
+#include "modules/config/unit_figures.h"
 #include "modules/timing/channel.h"
-#include "modules/timing/unit_figures.h"
 #include "testbench/bench/histogram.h"
 #include "testbench/bench/host_figures.h"
 #include "testbench/bench/scoreboard.h"

@@ -21,6 +21,8 @@ namespace rtusim {
 /// - lfsr: in the cycles in which bit 0 of the register is 1 (the offer may so be taken back).
 template <class T>
 class stream_source final : public unit {
+  using regime = source_params::regime;
+
  public:
   rv_out<T> out{"out"};
 
@@ -31,16 +33,7 @@ class stream_source final : public unit {
   }
 
   std::size_t sent() const { return sent_; }
-
- private:
-  using regime = source_params::regime;
-
-  void reset() override {
-    from_ = 0;
-    publish();
-  }
-  void edge() override {
-    if (!out->fired()) return;
+  void leaves(channel_base&) override {
     ++sent_;
     switch (params_.valid) {
       case regime::always:
@@ -50,11 +43,14 @@ class stream_source final : public unit {
     }
     publish();
   }
+
+ private:
+  void reset() override {
+    from_ = 0;
+    publish();
+  }
   void publish() {
-    if (sent_ == items_.size()) {
-      out->offer_valid(offer::none());
-      return;
-    }
+    if (sent_ == items_.size()) return;
     out->drive(items_[sent_]);
     out->offer_valid(random_ ? offer::in(*random_, from_) : offer::always_from(from_));
   }
@@ -83,15 +79,18 @@ class port_sink final : public unit {
   }
 
   std::uint64_t received() const { return received_; }
+  void arrives(channel_base&) override {
+    if (++received_ == expected_) domain().stop();
+    publish(now() + 1);
+  }
 
  private:
   using regime = sink_params::regime;
 
-  void reset() override {
-    in->offer_ready(random_ ? offer::in(*random_) : params_.ready == regime::always ? offer::always_from(0) : offer::none());
-  }
-  void edge() override {
-    if (in->fired() && ++received_ == expected_) domain().stop();
+  void reset() override { publish(0); }
+  void publish(cycle from) {
+    if (params_.ready == regime::blocked) return;
+    in->offer_ready(random_ ? offer::in(*random_, from) : offer::always_from(from));
   }
   bool level(const channel_base&) const override {
     return random_ ? (random_->state(next_edge()) & 1) != 0 : params_.ready == regime::always;

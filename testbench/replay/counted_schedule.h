@@ -11,8 +11,8 @@
 #include <fmt/format.h>
 
 #include "modules/config/error.h"
+#include "modules/numeric/divisor.h"
 #include "modules/rtu/design.h"
-#include "modules/timing/divisor.h"
 #include "testbench/bench/run_figures.h"
 #include "testbench/replay/schedule_parts.h"
 #include "testbench/replay/walks.h"

@@ -34,10 +34,10 @@ class any_ready_core {
     return false;
   }
   void offered(cycle, cycle) {}
-  bool take(unsigned core) {
+  void take(unsigned core) {
+    ready_.set_line(core, false);
     order_.took(core);
     ++jobs_[core];
-    return false;
   }
   std::uint64_t valid_cycles(unsigned core) const { return jobs_[core]; }
 

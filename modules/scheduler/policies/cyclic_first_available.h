@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <string_view>
 
+#include "modules/numeric/divisor.h"
 #include "modules/scheduler/policies/turn_counts.h"
-#include "modules/timing/divisor.h"
 #include "modules/timing/offer.h"
 #include "modules/timing/rotating_select.h"
 
@@ -30,7 +30,7 @@ class cyclic_first_available {
     return is_ready(selected(c));
   }
   void offered(cycle from, cycle to) { shown_.add(selected(from), to - from); }
-  bool take(unsigned) { return false; }
+  void take(unsigned core) { ready_.set_line(core, false); }
   std::uint64_t valid_cycles(unsigned core) const { return shown_.cycles(core); }
 
   class schedule {

@@ -18,7 +18,7 @@ namespace rtusim {
 /// - `ready()`: in which cycles an offered job is taken, if nothing changes before. It may point into the policy;
 /// - `takes(c, is_ready)`: whether one is taken in cycle c, told from the select and from `is_ready(core)`, which the offer is checked by;
 /// - `offered(from, to)`: a job was offered in the cycles [from, to), and taken in none before the last, whatever cores were ready;
-/// - `take(core)`: the core takes a job. Returns whether `ready()` is another now; what the last one pointed into must not change here;
+/// - `take(core)`: the core takes a job, and is not ready until it says so;
 /// - `valid_cycles(core)`: in how many cycles a job was shown to the core.
 ///
 /// Without a clock, its `schedule` tells from the cycles in which cores are free what becomes of each job. It is constructed with the

@@ -26,9 +26,9 @@ class round_robin {
     return is_ready(in_line_);
   }
   void offered(cycle from, cycle to) { valid_cycles_[in_line_] += to - from; }
-  bool take(unsigned core) {
+  void take(unsigned core) {
+    ready_.set_line(core, false);
     in_line_ = core + 1 < ready_.lines() ? core + 1 : 0;
-    return ready_.lines() > 1;
   }
   std::uint64_t valid_cycles(unsigned core) const { return valid_cycles_[core]; }
 

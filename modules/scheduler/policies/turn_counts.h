@@ -4,7 +4,7 @@
 #include <numeric>
 #include <vector>
 
-#include "modules/timing/divisor.h"
+#include "modules/numeric/divisor.h"
 
 namespace rtusim {
 

@@ -38,29 +38,27 @@ void probe_core::reset() {
   job_in->offer_ready(offer::always_from(0));
 }
 
-void probe_core::edge() {
-  if (job_in->fired()) {
-    const traversal_job& job = job_in->data();
-    const probe_outcome o = probe(job);
-    result_.job_word = job.job_word;
-    result_.sequence = job.sequence;
-    result_.hit = o.hit;
-    result_.t_hit = o.hit ? o.t : 0;
-    accepted_ = now();
-    is_done_ = false;
-    job_in->offer_ready(offer::none());
-    result_out->offer_valid(offer::always_from(now() + params_.latency_cycles + 1));
-  } else if (result_out->fired()) {
-    ++jobs_;
-    hits_ += result_.hit;
-    is_done_ = true;
-    result_out->offer_valid(offer::none());
-    job_in->offer_ready(offer::always_from(now() + 1));
-  }
+void probe_core::arrives(channel_base&) {
+  const traversal_job& job = job_in->data();
+  const probe_outcome o = probe(job);
+  result_.job_word = job.job_word;
+  result_.sequence = job.sequence;
+  result_.hit = o.hit;
+  result_.t_hit = o.hit ? o.t : 0;
+  accepted_ = now();
+  is_done_ = false;
+  result_out->offer_valid(offer::always_from(now() + params_.latency_cycles + 1));
+}
+
+void probe_core::leaves(channel_base&) {
+  ++jobs_;
+  hits_ += result_.hit;
+  is_done_ = true;
+  job_in->offer_ready(offer::always_from(now() + 1));
 }
 
 void probe_core::settle_registers() {
-  shown_state_ = is_done_ ? state::idle : domain().next_edge() > accepted_ + params_.latency_cycles ? state::out : state::walk;
+  shown_state_ = is_done_ ? state::idle : next_edge() > accepted_ + params_.latency_cycles ? state::out : state::walk;
 }
 
 bool probe_core::level(const channel_base& port) const { return shown_state_ == (&port == job_in.operator->() ? state::idle : state::out); }

@@ -46,6 +46,8 @@ class probe_core final : public unit {
 
   probe_core(const sc_core::sc_module_name& name, const params& p, unsigned index);
 
+  void arrives(channel_base& job) override;
+  void leaves(channel_base& result) override;
   std::optional<unit_timing> timing() const override;
   stats statistics();
   std::unique_ptr<unit_figures> figures() override { return as_figures(statistics()); }
@@ -54,7 +56,6 @@ class probe_core final : public unit {
   enum class state : std::uint8_t { idle, walk, out };
 
   void reset() override;
-  void edge() override;
   void settle_registers() override;
   bool level(const channel_base& port) const override;
   void trace(waveform& w) const override;

@@ -53,20 +53,13 @@ class sightings {
 class closing final : public unit {
  public:
   explicit closing(const sc_core::sc_module_name& name) : unit(name) {}
-  void end_after(cycle c) {
-    end_ = c;
-    book_edge(c);
-  }
+  void end_after(cycle c) { book_edge(c); }
+  void booked_edge() override { domain().stop(); }
 
  private:
   void reset() override {}
-  void edge() override {
-    if (now() == end_) domain().stop();
-  }
   bool level(const channel_base&) const override { return false; }
   void trace(waveform&) const override {}
-
-  cycle end_ = never;
 };
 
 /// Takes a job, pauses, and takes the next.
@@ -77,13 +70,14 @@ class pausing_core final : public unit {
   pausing_core(const sc_core::sc_module_name& name, const traffic& t, unsigned index)
       : unit(name), traffic_(t), index_(index), ready_from_(t.ready_from[index]) {}
 
+  void arrives(channel_base&) override {
+    ready_from_ = now() + 1 + traffic_.pause(index_, jobs_++);
+    publish(now() + 1);
+  }
+  void booked_edge() override { publish(now() + 1); }
+
  private:
   void reset() override { publish(0); }
-  void edge() override {
-    const bool was_ready = now() >= ready_from_;
-    if (job_in->fired()) ready_from_ = now() + 1 + traffic_.pause(index_, jobs_++);
-    if (was_ready != (now() + 1 >= ready_from_)) publish(now() + 1);
-  }
   void publish(cycle next) {
     job_in->offer_ready(ready_from_ <= next ? offer::always_from(next) : offer::none());
     if (ready_from_ > next) book_edge(ready_from_ - 1);

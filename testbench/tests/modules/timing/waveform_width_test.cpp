@@ -23,7 +23,6 @@ enum class letter : std::uint8_t { a, b, c };
 class registers final : public unit {
  public:
   explicit registers(const sc_core::sc_module_name& name) : unit(name), many_(2 * 94 * 94) {
-    moves_when_idle();
     for (std::uint32_t i = 0; i < many_.size(); ++i) many_[i] = i;
   }
 
@@ -35,7 +34,6 @@ class registers final : public unit {
 
  private:
   void reset() override {}
-  void edge() override {}
   void settle_registers() override {
     word_ = word(next_edge());
     signed_ = static_cast<std::int64_t>(word_);

@@ -1,4 +1,4 @@
-#include "modules/timing/unit_figures.h"
+#include "modules/config/unit_figures.h"
 
 #include <set>
 
