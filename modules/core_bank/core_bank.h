@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <vector>
 
 #include <systemc>
 
@@ -31,6 +32,8 @@ class core_bank {
   virtual channel_base& core_job_channel(unsigned core) = 0;
   virtual channel_base& core_result_channel(unsigned core) = 0;
   virtual unsigned cores() const = 0;
+  /// These jobs will come, in this order, and nobody looks at them on their way: a bank may work ahead of the clock. They must outlive it.
+  virtual void expect(const std::vector<job_packet>&) {}
 
   /// The contracts of the job manager and of the cores, of which one is like the other.
   virtual unit_timing job_timing() const = 0;

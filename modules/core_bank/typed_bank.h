@@ -58,6 +58,7 @@ class typed_bank : public core_bank {
   unit_timing core_timing() const override { return cores_[0].timing().value(); }
 
  protected:
+  Manager& manager() { return job_manager_; }
   Core& core(unsigned i) { return cores_[i]; }
 
  private:

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "modules/config/report.h"
@@ -36,14 +38,19 @@ class job_manager final : public pipeline_unit<job_packet, traversal_job> {
 
   job_manager(const sc_core::sc_module_name& name, const params& p);
 
-  const stats& statistics() const { return stats_; }
-  std::unique_ptr<unit_figures> figures() override { return as_figures(stats_); }
+  /// Somebody else has converted the jobs, and tells what that counts of the first so many. Then only their other words pass through here.
+  using counter = std::function<numeric::float_to_fixed_stats(std::uint64_t jobs)>;
+  void leave_conversion_to(counter counted) { elsewhere_ = std::move(counted); }
+
+  stats statistics() const;
+  std::unique_ptr<unit_figures> figures() override { return as_figures(statistics()); }
 
  private:
   void process(const job_packet& packet, traversal_job& job) override;
   void trace(waveform& w) const override;
 
   numeric::float_to_fixed_converter converter_;
+  counter elsewhere_;
   stats stats_;
 };
 

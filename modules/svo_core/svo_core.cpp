@@ -23,12 +23,28 @@ void svo_core::reset() {
   job_in->offer_ready(offer::always_from(0));
 }
 
+void svo_core::walk(const traversal_job& job) {
+  if (ahead_ == nullptr) {
+    outcome_ = walk_(job, memory_);
+    return;
+  }
+  const svo_walked& w = ahead_->walked(job.sequence);
+  outcome_.hit = w.hit;
+  outcome_.t_hit = w.t_hit;
+  outcome_.axis = w.axis;
+  outcome_.cost = w.cost;
+  outcome_.pushes = w.pushes;
+  outcome_.depth = w.depth;
+  outcome_.overflow = w.overflow;
+}
+
 void svo_core::accept(const traversal_job& job) {
+  if (accepted_ != never) sequence_before_ = job_.sequence;
   job_ = job;
   child_before_ = outcome_.child;
   depth_before_ = outcome_.depth;
   bus_before_ = bus_;
-  outcome_ = walk_(job, memory_);
+  walk(job);
   if (outcome_.overflow) throw svo_stack_overflow(name(), params_.stack_depth, job.sequence, job.job_word, now());
   bus_.take(outcome_, job.direction_bits(), params_);
   result_.job_word = job.job_word;
@@ -58,16 +74,24 @@ void svo_core::leaves(channel_base&) {
   job_in->offer_ready(offer::always_from(now() + 1));
 }
 
+void svo_core::start_machine() {
+  // Either the machine stands where the last job left it, or it never stepped through that job.
+  if (ahead_ != nullptr) {
+    if (sequence_before_) child_before_ = walk_(ahead_->job(*sequence_before_), memory_).child;
+    job_ = ahead_->job(job_.sequence);
+  }
+  machine_.inherit(child_before_, depth_before_, bus_before_);
+  machine_.accept(job_);
+  machine_edge_ = accepted_ + 1;
+}
+
 void svo_core::settle_registers() {
   const cycle target = next_edge();
   if (accepted_ == never) {
     machine_edge_ = target;
   } else {
     if (machine_edge_ <= accepted_) {
-      // Either the machine stands where the last job left it, or it never stepped through that job.
-      machine_.inherit(child_before_, depth_before_, bus_before_);
-      machine_.accept(job_);
-      machine_edge_ = accepted_ + 1;
+      start_machine();
     }
     const cycle last_step = accepted_ + 1 + outcome_.cost;
     for (; machine_edge_ < target && machine_edge_ < last_step; ++machine_edge_) machine_.step();

@@ -7,6 +7,7 @@
 #include "modules/config/report.h"
 #include "modules/formats/packets.h"
 #include "modules/memory/memory.h"
+#include "modules/svo_core/svo_ahead.h"
 #include "modules/svo_core/svo_machine.h"
 #include "modules/svo_core/svo_params.h"
 #include "modules/svo_core/svo_walk.h"
@@ -51,6 +52,8 @@ class svo_core final : public unit, public memory_reader {
   /// `index`: which core of the RTU it is, for its results.
   svo_core(const sc_core::sc_module_name& name, const params& p, unsigned index);
 
+  /// Its jobs are walked ahead of it, and come with their own numbers and no words but those that pass through.
+  void follow(svo_ahead& ahead) { ahead_ = &ahead; }
   void arrives(channel_base& job) override;
   void leaves(channel_base&) override;
   std::optional<unit_timing> timing() const override;
@@ -66,9 +69,12 @@ class svo_core final : public unit, public memory_reader {
   bool level(const channel_base& port) const override;
   void trace(waveform& w) const override;
   void accept(const traversal_job& job);
+  void walk(const traversal_job& job);
+  void start_machine();
 
   params params_;
   svo_walk walk_;
+  svo_ahead* ahead_ = nullptr;
   word_view memory_;
   voxel_result result_;
   svo_result_registers bus_;  // what the result bus keeps
@@ -85,7 +91,8 @@ class svo_core final : public unit, public memory_reader {
   // The state machine follows the outcome when somebody watches.
   svo_machine machine_;
   traversal_job job_;
-  std::uint8_t child_before_ = 0;  // what the job before left
+  std::optional<std::uint32_t> sequence_before_;  // of the job before, and what that left
+  std::uint8_t child_before_ = 0;
   std::uint8_t depth_before_ = 0;
   svo_result_registers bus_before_;
   cycle machine_edge_ = 0;  // the machine's registers stand just before this edge

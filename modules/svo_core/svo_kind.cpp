@@ -2,6 +2,7 @@
 
 #include "modules/core_bank/figures_of_bank.h"
 #include "modules/core_bank/typed_bank.h"
+#include "modules/svo_core/svo_ahead.h"
 
 namespace rtusim {
 namespace {
@@ -15,12 +16,23 @@ class svo_bank final : public typed_bank<job_manager, svo_core> {
       : typed_bank(
             kind.jobs(), p,
             [params = kind.core_with_format()](const char* n, std::size_t i) { return new svo_core(n, params, static_cast<unsigned>(i)); }),
+        params_(kind.core_with_format()),
+        conversion_(kind.conversion),
         memory_("memory", kind.memory_, contents.words()) {
     for (unsigned i = 0; i < p.cores; ++i) core(i).memory_port(memory_);
   }
 
+  void expect(const std::vector<job_packet>& jobs) override {
+    ahead_ = std::make_unique<svo_ahead>(params_, conversion_, memory_.words(), jobs);
+    manager().leave_conversion_to([this](std::uint64_t count) { return ahead_->conversions(count); });
+    for (unsigned i = 0; i < cores(); ++i) core(i).follow(*ahead_);
+  }
+
  private:
+  svo_core_params params_;
+  numeric::float_to_fixed_errata conversion_;
   memory memory_;
+  std::unique_ptr<svo_ahead> ahead_;
 };
 
 }  // namespace

@@ -21,6 +21,7 @@ simulation::simulation(const design& d, const surroundings& s, const memory_cont
   source_.out(job_);
   rtu_.job_in(job_);
   sink_.in(*result_);
+  if (p == pace::skipping && !window) rtu_.bank().expect(jobs);
   clock_.set_pace(p);
   clock_.set_watchdog(s.watchdog_cycles);
   if (window) {
