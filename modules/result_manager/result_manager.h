@@ -124,9 +124,10 @@ void result_manager<Result>::offer_result(bool taken) {
   if (valid_withdrawn_) {
     result_out->offer_valid(offer::in(full_));
   } else if (taken || offered_from_ > now()) {
-    offered_from_ = full_.next(now() + 1);
+    const auto first = full_.next_place(now() + 1);
+    offered_from_ = first.when;
+    offered_ = first.line;
     if (offered_from_ == never) return;
-    offered_ = full_.selected(offered_from_);
     result_out->drive(buffers_[offered_]);
     result_out->offer_valid(offer::always_from(offered_from_));
   }

@@ -160,12 +160,12 @@ class channel_base : public sc_core::sc_object, public virtual sc_core::sc_inter
     if (o.from < clock_->next) o.from = never;
   }
   // Asserted cycles of the present offer, of those before the next edge.
-  void count_valid() {
+  [[gnu::always_inline]] void count_valid() {
     if (valid_.from >= clock_->next) return;
     if (downstream_ != nullptr) tell_junction();
     valid_cycles_ += valid_.when == nullptr ? clock_->next - valid_.from : pattern_valid();
   }
-  void count_ready() { ready_cycles_ += present_ready(); }
+  [[gnu::always_inline]] void count_ready() { ready_cycles_ += present_ready(); }
   [[gnu::always_inline]] std::uint64_t present_ready() const {
     const cycle stop = std::min(clock_->next, ready_until_);
     if (ready_.from >= stop) return 0;

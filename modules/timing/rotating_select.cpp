@@ -7,13 +7,6 @@ void rotating_select::select(unsigned line, cycle c) {
   remember(c, line);
 }
 
-cycle rotating_select::next(cycle c) const {
-  if (!any() || c == never) return never;
-  const unsigned now = selected(c);
-  const unsigned ahead = first_from(now);
-  return c + (ahead < lines() ? ahead : lines() + lowest()) - now;
-}
-
 std::uint64_t rotating_select::count(cycle from, cycle to) const {
   if (!any() || from >= to) return 0;
   const cycle length = to - from;

@@ -21,7 +21,21 @@ class rotating_select final : public pattern, public line_set {
   /// Turns the register so that it selects `line` in cycle c.
   void select(unsigned line, cycle c);
 
-  cycle next(cycle c) const override;
+  /// A cycle, and the line selected in it.
+  struct place {
+    cycle when;
+    unsigned line;
+  };
+  /// The first cycle >= c in which the signal is 1; `never`, and a line that means nothing, if none is.
+  place next_place(cycle c) const {
+    if (!any() || c == never) return {never, 0};
+    const unsigned now = selected(c);
+    const unsigned ahead = first_from(now);
+    if (ahead < lines()) return {c + ahead - now, ahead};
+    const unsigned first = lowest();
+    return {c + lines() + first - now, first};
+  }
+  cycle next(cycle c) const override { return next_place(c).when; }
   std::uint64_t count(cycle from, cycle to) const override;
 
  private:
