@@ -85,13 +85,13 @@ class channel_base : public sc_core::sc_object, public virtual sc_core::sc_inter
   bool valid_level(cycle c) const;
   bool ready_level() const;
 
-  /// Lets `observer.transferred(which, c, payload)` watch the transfers of payloads that begin with a `Part`. Observers change nothing.
-  template <class Part, class Observer>
+  /// Lets `(observer.*Transferred)(which, c, payload)` watch the transfers of payloads that begin with a `Part`. Observers change nothing.
+  template <class Part, auto Transferred, class Observer>
   void observe_as(Observer& observer, unsigned which) {
     observer_ = &observer;
     which_ = which;
     notify_ = [](void* o, unsigned w, cycle c, const void* payload) {
-      static_cast<Observer*>(o)->transferred(w, c, *static_cast<const Part*>(payload));
+      (static_cast<Observer*>(o)->*Transferred)(w, c, *static_cast<const Part*>(payload));
     };
   }
 
@@ -231,7 +231,7 @@ class channel : public channel_base {
   void carry(const T& payload) { transfer_within(&payload); }
   template <class Observer>
   void observe(Observer& observer, unsigned which) {
-    observe_as<T>(observer, which);
+    this->template observe_as<T, static_cast<void (Observer::*)(unsigned, cycle, const T&)>(&Observer::transferred)>(observer, which);
   }
 
  private:

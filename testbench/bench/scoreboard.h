@@ -95,20 +95,19 @@ class scoreboard final {
   };
   friend class channel_base;
 
-  // Transfers of the observed channels: `which` is the core, or for the RTU's output `unit_output`.
-  static constexpr unsigned unit_output = ~0u;
-  void transferred(unsigned, cycle c, const job_packet& p);
-  void transferred(unsigned core, cycle c, const core_job& j);
-  void transferred(unsigned which, cycle c, const traversal_result& r);
+  // Transfers of the observed channels.
+  void accepted(unsigned, cycle c, const job_packet& p);
+  void dispatched(unsigned core, cycle c, const core_job& j);
+  void buffered(unsigned core, cycle c, const traversal_result& r);
+  void left(unsigned, cycle c, const traversal_result& r);
   flight& in_flight(std::uint32_t sequence) { return flights_[sequence & (flights_.size() - 1)]; }
-  void arrived(cycle c, const traversal_result& r);
 
   const core_bank& bank_;
   cycle job_latency_cycles_ = 0;
   cycle core_latency_cycles_ = 0;
   std::vector<flight> flights_;  // ring by sequence
-  std::uint32_t accepted_ = 0;
-  std::uint32_t dispatched_ = 0;
+  std::uint32_t jobs_accepted_ = 0;
+  std::uint32_t jobs_dispatched_ = 0;
   result_figures figures_;
   result_handler handler_;
   std::function<void(std::uint32_t)> accepted_handler_;
