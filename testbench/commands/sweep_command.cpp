@@ -70,7 +70,7 @@ struct loaded_rays {
   }
 };
 
-/// Runs a point, in a process of its own, and leaves its files in the part of the folder that is its own.
+/// Runs a point, in a worker's process, and leaves its files in the part of the folder that is its own.
 worker_report run_point(const sweep_plan& plan, const sweep_task& t, const run_inputs& shared, const results_folder& folder) {
   const auto begin = wall_clock::now();
   const auto s = plan.setup(*t.point);
@@ -130,19 +130,29 @@ class sweep_run {
  public:
   sweep_run(const sweep_plan& plan, const std::vector<sweep_task>& tasks, const results_folder& folder, unsigned workers, bool quiet,
             std::size_t points)
-      : plan_(plan), tasks_(tasks), folder_(folder), batch_(folder), progress_(!quiet, points), pool_(workers) {}
+      : plan_(plan), tasks_(tasks), folder_(folder), workers_(workers), batch_(folder), progress_(!quiet, points), pool_(workers) {}
 
   /// Errors: input_error for results that can't be written; simulation_error when it is interrupted.
   void run(std::vector<const sweep_task*> order) {
-    std::map<std::string, std::size_t> first;
-    for (const sweep_task* t : order) first.emplace(t->walk, t->number);
+    std::map<std::string, std::size_t> first, points;
+    for (const sweep_task* t : order) {
+      first.emplace(t->walk, t->number);
+      ++points[t->walk];
+    }
     std::stable_sort(order.begin(), order.end(), [&](const sweep_task* a, const sweep_task* b) { return first[a->walk] < first[b->walk]; });
     loaded_rays shared;
     std::string walk;
     std::set<std::string> started;
+    std::vector<std::size_t> together;  // for the next worker
+    const auto start = [&] {
+      if (together.empty()) return;
+      while (pool_.full()) wait();
+      pool_.start(std::exchange(together, {}), [&](std::size_t number) { return run_point(plan_, tasks_[number], *shared.rays, folder_); });
+    };
     for (const sweep_task* t : order) {
       if (!started.insert(t->name).second) continue;  // the same run as another point
       if (walk != t->walk) {
+        start();
         shared = {};
         shared = loaded_rays(plan_, *t);
         walk = t->walk;
@@ -151,11 +161,14 @@ class sweep_run {
         fail(*t, shared.failure);
         continue;
       }
-      while (pool_.full()) wait();
-      const run_inputs& rays = *shared.rays;
-      pool_.start(t->number, [&] { return run_point(plan_, *t, rays, folder_); });
+      const std::size_t most = at_once(*t, *shared.rays, points[walk]);
+      if (most == 1) start();
+      together.push_back(t->number);
+      if (together.size() >= most) start();
     }
+    start();
     while (!pool_.empty()) wait();
+    if (!left_over_.empty()) run(std::exchange(left_over_, {}));
     batch_.commit();
   }
 
@@ -163,6 +176,13 @@ class sweep_run {
   void commit() { batch_.commit(); }
 
  private:
+  /// How many points a worker does that has this one to do. SystemC elaborates once a process, a replay does without it; pictures take
+  /// longer than a process. Each worker gets several turns, so that they end together.
+  std::size_t at_once(const sweep_task& t, const run_inputs& rays, std::size_t points) const {
+    constexpr std::size_t most = 16, turns = 4;
+    if (!t.replayed || !rays.walked || !plan_.images().empty() || retried_.count(t.number) != 0) return 1;
+    return std::clamp<std::size_t>(points / (turns * workers_), 1, most);
+  }
   void wait() {
     if (const auto ended = pool_.next(batch_.patience())) settle(tasks_[ended->work], ended->report);
     batch_.commit_if_due();
@@ -177,6 +197,10 @@ class sweep_run {
       case worker_report::outcome::failed: fail(t, {plan_.named_as_written(r.reason), true}); break;
       case worker_report::outcome::unwritable:
         throw input_error(folder_.path().string(), fmt::format("a result that could not be written ({})", r.reason), "room on the disk");
+      case worker_report::outcome::not_begun:
+        retried_.insert(t.number);
+        left_over_.push_back(&t);
+        break;
     }
   }
   void fail(const sweep_task& t, const point_failure& why) {
@@ -188,6 +212,9 @@ class sweep_run {
   const sweep_plan& plan_;
   const std::vector<sweep_task>& tasks_;
   const results_folder& folder_;
+  unsigned workers_;
+  std::vector<const sweep_task*> left_over_;  // by a worker that ended early
+  std::set<std::size_t> retried_;
   point_batch batch_;
   sweep_progress progress_;
   worker_pool pool_;

@@ -8,6 +8,7 @@
 #include "modules/config/error.h"
 #include "modules/config/files.h"
 #include "scenes/meshes/mesh.h"
+#include "testbench/run/procedure.h"
 #include "testbench/run/summary.h"
 #include "testbench/sweep/source_checksum.h"
 
@@ -79,6 +80,7 @@ std::vector<sweep_task> tasks_of(const sweep_plan& plan) {
       t.inputs = known.at(files);
       const json parameters = nameless(s->parameters.values());
       t.identity = identity_of(*s, t.inputs);
+      t.replayed = quickest_pace(*s) == run_pace::replay;
       t.name = config::sha256_of(line_of({{"inputs", checksums_of(t.inputs)}, {"parameters", parameters}})).substr(0, 16);
       t.walk = line_of({{"inputs", checksums_of(t.inputs)}, {"parameters", walked_on(parameters, s->host())}});
     } catch (const input_error& e) {

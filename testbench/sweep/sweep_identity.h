@@ -21,6 +21,7 @@ struct sweep_task {
   std::string identity;                    ///< the design and scene, what these files hold, and the program: a line of JSON
   std::string name;                        ///< a hash of all that but the program: the folder of its results
   std::string walk;                        ///< the part that determines the rays' walks
+  bool replayed = false;                   ///< it needs no clock
   std::string failure;                     ///< why it can't be run; then it has no identity
 };
 

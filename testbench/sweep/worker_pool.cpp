@@ -9,10 +9,12 @@
 
 #include <array>
 #include <cerrno>
+#include <climits>
 #include <cstdio>
 #include <cstring>
 #include <exception>
 #include <new>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -23,11 +25,13 @@
 namespace rtusim {
 namespace {
 
-constexpr std::size_t most_reason_bytes = 4000;  // a pipe takes more at once
+// A report on a pipe: its length in two bytes, the outcome, the reason. It goes through a pipe in one piece.
+constexpr std::size_t length_bytes = 2, most_reason_bytes = 4000;
+static_assert(length_bytes + 1 + most_reason_bytes <= PIPE_BUF);
 
-worker_report report_of(const std::function<worker_report()>& work) {
+worker_report report_of(const std::function<worker_report(std::size_t)>& work, std::size_t number) {
   try {
-    return work();
+    return work(number);
   } catch (const std::bad_alloc&) {
     return {worker_report::outcome::failed, "out of memory"};
   } catch (const std::exception& e) {
@@ -35,15 +39,21 @@ worker_report report_of(const std::function<worker_report()>& work) {
   }
 }
 
-/// What a process said on a pipe until it closed it.
-std::string rest_of(int pipe) {
-  std::string text;
-  std::array<char, 4096> chunk{};
-  for (ssize_t n; (n = read(pipe, chunk.data(), chunk.size())) != 0;) {
-    if (n > 0) text.append(chunk.data(), static_cast<std::size_t>(n));
-    if (n < 0 && errno != EINTR) break;
-  }
-  return text;
+void send(int pipe, const worker_report& r) {
+  const std::string reason = r.reason.substr(0, most_reason_bytes);
+  const std::size_t length = 1 + reason.size();
+  const std::string text = std::string{static_cast<char>(length % 256), static_cast<char>(length / 256), static_cast<char>(r.how)} + reason;
+  while (write(pipe, text.data(), text.size()) < 0 && errno == EINTR) continue;
+}
+
+/// The first whole report of what was said, which it is taken from.
+std::optional<worker_report> taken_from(std::string& said) {
+  if (said.size() < length_bytes) return {};
+  const std::size_t length = static_cast<unsigned char>(said[0]) + 256u * static_cast<unsigned char>(said[1]);
+  if (said.size() < length_bytes + length) return {};
+  worker_report r{static_cast<worker_report::outcome>(said[length_bytes]), said.substr(length_bytes + 1, length - 1)};
+  said.erase(0, length_bytes + length);
+  return r;
 }
 
 int end_of(pid_t process) {
@@ -62,7 +72,7 @@ worker_pool::~worker_pool() {
   }
 }
 
-void worker_pool::start(std::size_t number, const std::function<worker_report()>& work) {
+void worker_pool::start(std::vector<std::size_t> numbers, const std::function<worker_report(std::size_t)>& work) {
   std::array<int, 2> ends{-1, -1};
   if (pipe2(ends.data(), O_CLOEXEC) != 0) throw input_error("sweep", "no file more can be opened", "fewer workers: -j");
   std::fflush(nullptr);
@@ -72,9 +82,7 @@ void worker_pool::start(std::size_t number, const std::function<worker_report()>
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     interrupts::leave_to_parent();
     if (getppid() != parent) _exit(1);
-    const worker_report r = report_of(work);
-    const std::string text = static_cast<char>(r.how) + r.reason.substr(0, most_reason_bytes);
-    while (write(ends[1], text.data(), text.size()) < 0 && errno == EINTR) continue;
+    for (const std::size_t number : numbers) send(ends[1], report_of(work, number));
     _exit(0);
   }
   close(ends[1]);
@@ -82,29 +90,44 @@ void worker_pool::start(std::size_t number, const std::function<worker_report()>
     close(ends[0]);
     throw input_error("sweep", "no process more can be started", "fewer workers: -j");
   }
-  running_[ends[0]] = {child, number};
+  running_[ends[0]] = {child, std::move(numbers), 0, {}};
 }
 
 std::optional<worker_pool::ended> worker_pool::next(std::chrono::milliseconds patience) {
-  std::vector<pollfd> waiting;
-  for (const auto& [pipe, w] : running_) waiting.push_back({pipe, POLLIN, 0});
-  if (poll(waiting.data(), waiting.size(), static_cast<int>(patience.count())) <= 0) return {};
-  for (const pollfd& at : waiting) {
-    if (at.revents == 0) continue;
-    const worker w = running_.at(at.fd);
-    const std::string said = rest_of(at.fd);
-    running_.erase(at.fd);
-    close(at.fd);
-    const int status = end_of(w.process);
-    if (WIFSIGNALED(status)) {
-      const int number = WTERMSIG(status);
-      return ended{w.work,
-                   {worker_report::outcome::failed, fmt::format("the worker was ended by signal {} ({})", number, strsignal(number))}};
-    }
-    if (said.empty()) return ended{w.work, {worker_report::outcome::failed, "the worker ended without a report"}};
-    return ended{w.work, {static_cast<worker_report::outcome>(said[0]), said.substr(1)}};
+  if (ended_.empty()) {
+    std::vector<pollfd> waiting;
+    for (const auto& [pipe, w] : running_) waiting.push_back({pipe, POLLIN, 0});
+    if (poll(waiting.data(), waiting.size(), static_cast<int>(patience.count())) <= 0) return {};
+    for (const pollfd& at : waiting)
+      if (at.revents != 0) hear(at.fd);
   }
-  return {};
+  if (ended_.empty()) return {};
+  ended first = std::move(ended_.front());
+  ended_.pop_front();
+  return first;
+}
+
+void worker_pool::hear(int pipe) {
+  worker& w = running_.at(pipe);
+  std::array<char, PIPE_BUF> chunk{};
+  const ssize_t n = read(pipe, chunk.data(), chunk.size());
+  if (n < 0 && errno == EINTR) return;
+  if (n > 0) w.said.append(chunk.data(), static_cast<std::size_t>(n));
+  while (auto report = taken_from(w.said)) ended_.push_back({w.work[w.told++], std::move(*report)});
+  if (n <= 0 || w.told == w.work.size()) bury(pipe);
+}
+
+void worker_pool::bury(int pipe) {
+  const worker w = std::move(running_.at(pipe));
+  running_.erase(pipe);
+  close(pipe);
+  const int status = end_of(w.process);
+  if (w.told == w.work.size()) return;
+  const int number = WIFSIGNALED(status) ? WTERMSIG(status) : 0;
+  const std::string reason = number != 0 ? fmt::format("the worker was ended by signal {} ({})", number, strsignal(number))
+                                         : std::string("the worker ended without a report");
+  ended_.push_back({w.work[w.told], {worker_report::outcome::failed, reason}});
+  for (std::size_t i = w.told + 1; i < w.work.size(); ++i) ended_.push_back({w.work[i], {worker_report::outcome::not_begun, {}}});
 }
 
 }  // namespace rtusim

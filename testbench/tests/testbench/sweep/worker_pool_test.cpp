@@ -10,6 +10,7 @@
 #include <cerrno>
 #include <chrono>
 #include <csignal>
+#include <map>
 #include <optional>
 #include <set>
 #include <string>
@@ -52,11 +53,11 @@ worker_report sleeping(unsigned seconds) {
 TEST_CASE("worker pool: each piece of work is told with how it ended", "[testbench]") {
   worker_pool pool(3);
   CHECK(pool.empty());
-  pool.start(7, [] { return worker_report{}; });
+  pool.start({7}, [](std::size_t) { return worker_report{}; });
   CHECK_FALSE(pool.empty());
   CHECK_FALSE(pool.full());
-  pool.start(8, []() -> worker_report { throw input_error("a file", "nothing", "something"); });
-  pool.start(9, [] { return worker_report{worker_report::outcome::unwritable, "no room"}; });
+  pool.start({8}, [](std::size_t) -> worker_report { throw input_error("a file", "nothing", "something"); });
+  pool.start({9}, [](std::size_t) { return worker_report{worker_report::outcome::unwritable, "no room"}; });
   CHECK(pool.full());
   std::set<std::size_t> ended;
   while (!pool.empty()) {
@@ -78,7 +79,7 @@ TEST_CASE("worker pool: each piece of work is told with how it ended", "[testben
 
 TEST_CASE("worker pool: one that was killed has failed, and patience ends", "[testbench]") {
   worker_pool pool(1);
-  pool.start(1, []() -> worker_report {
+  pool.start({1}, [](std::size_t) -> worker_report {
     std::raise(SIGKILL);
     return {};
   });
@@ -86,17 +87,45 @@ TEST_CASE("worker pool: one that was killed has failed, and patience ends", "[te
   REQUIRE(e);
   CHECK(e->report.how == worker_report::outcome::failed);
   CHECK_FALSE(e->report.reason.empty());
-  pool.start(2, [] { return sleeping(60); });
+  pool.start({2}, [](std::size_t) { return sleeping(60); });
   CHECK_FALSE(pool.next(50ms));
   CHECK(pool.full());
+}
+
+TEST_CASE("worker pool: several pieces of work a worker, one of which kills it", "[testbench]") {
+  worker_pool pool(2);
+  const std::string long_reason(5000, 'x');
+  pool.start({4, 5, 6, 7, 8}, [&](std::size_t number) -> worker_report {
+    if (number == 5) return {worker_report::outcome::failed, long_reason};
+    if (number == 6) throw simulation_error("no way");
+    if (number == 7) std::raise(SIGKILL);
+    return {};
+  });
+  pool.start({1, 2, 3}, [](std::size_t) { return worker_report{}; });
+  CHECK(pool.full());
+  std::map<std::size_t, worker_report> told;
+  while (!pool.empty()) {
+    const auto e = pool.next(10s);
+    REQUIRE(e);
+    REQUIRE(told.emplace(e->work, e->report).second);
+  }
+  REQUIRE(told.size() == 8);
+  for (const std::size_t done : {1u, 2u, 3u, 4u}) CHECK(told[done].how == worker_report::outcome::done);
+  CHECK(told[5].how == worker_report::outcome::failed);
+  CHECK(told[5].reason == long_reason.substr(0, 4000));
+  CHECK(told[6].how == worker_report::outcome::failed);
+  CHECK(told[6].reason == "no way");
+  CHECK(told[7].how == worker_report::outcome::failed);
+  CHECK_THAT(told[7].reason, Catch::StartsWith("the worker was ended by signal 9"));
+  CHECK(told[8].how == worker_report::outcome::not_begun);
 }
 
 TEST_CASE("worker pool: workers end with the pool", "[testbench]") {
   pipe_ends alive;
   {
     worker_pool pool(2);
-    pool.start(1, [] { return sleeping(40); });
-    pool.start(2, [] { return sleeping(40); });
+    pool.start({1}, [](std::size_t) { return sleeping(40); });
+    pool.start({2}, [](std::size_t) { return sleeping(40); });
   }
   CHECK(all_end(alive));
 }
@@ -106,12 +135,12 @@ TEST_CASE("worker pool: workers end with a process that is killed", "[testbench]
   const pid_t sweep = fork();
   if (sweep == 0) {
     worker_pool pool(2);
-    const auto work = [&begun] {
+    const auto work = [&begun](std::size_t) {
       static_cast<void>(write(begun.ends[1], "b", 1) == 1);
       return sleeping(40);
     };
-    pool.start(1, work);
-    pool.start(2, work);
+    pool.start({1}, work);
+    pool.start({2}, work);
     for (;;) pause();
   }
   char byte;
