@@ -2,7 +2,9 @@
 
 #include <catch2/catch.hpp>
 
+#include <algorithm>
 #include <cstdint>
+#include <cstdlib>
 #include <tuple>
 #include <vector>
 
@@ -38,7 +40,8 @@ TEST_CASE("svo_batch: rays side by side come to what each comes to alone", "[svo
   test::rng random(2019);
   const auto coin = [&random] { return random() % 2 == 0; };
   std::uint64_t hits = 0, overflows = 0, rays = 0, pushes = 0, wide = 0;
-  for (int round = 0; round < 600; ++round) {
+  const char* const wanted_rounds = std::getenv("RTUSIM_ROUNDS");
+  for (int round = 0, rounds = wanted_rounds == nullptr ? 600 : std::max(600, std::atoi(wanted_rounds)); round < rounds; ++round) {
     const svo_core_params p = test::random_core(random);
     const numeric::float_to_fixed_errata conversion{coin(), coin(), coin()};
     const svo_image image = test::random_image(random);
