@@ -33,7 +33,7 @@ class scheduler final : public junction {
   scheduler(const sc_core::sc_module_name& name, const params& p, unsigned cores);
 
   void arrives(channel_base& job) override;
-  std::uint64_t valid_cycles(unsigned which) override;
+  std::uint64_t valid_cycles(unsigned which) const override;
   bool points_at(unsigned which, cycle c) const override;
   const Job& payload_at(cycle c) const { return job_in->offered(c); }
   std::optional<unit_timing> timing() const override;
@@ -107,9 +107,14 @@ void scheduler<Job>::input_valid(cycle from, cycle to) {
 }
 
 template <class Job>
-std::uint64_t scheduler<Job>::valid_cycles(unsigned which) {
-  job_in->settle_valid();
-  return std::visit([which](const auto& policy) { return policy.valid_cycles(which); }, policy_);
+std::uint64_t scheduler<Job>::valid_cycles(unsigned which) const {
+  const cycle from = job_in->valid().from;
+  return std::visit(
+      [&](auto policy) {  // a copy, which hears of the job that is offered now
+        if (from < next_edge()) policy.offered(from, next_edge());
+        return policy.valid_cycles(which);
+      },
+      policy_);
 }
 
 template <class Job>

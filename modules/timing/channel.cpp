@@ -27,7 +27,7 @@ void channel_base::tell_upstream() {
 
 void channel_base::tell_junction() {
   RTU_CHECK(valid_.when == nullptr, ==, true);
-  downstream_->input_valid(valid_.from, clock_->next);
+  if (valid_.from < clock_->next) downstream_->input_valid(valid_.from, clock_->next);
 }
 
 void channel_base::remember_valid() {
@@ -81,9 +81,8 @@ std::uint64_t channel_base::pattern_ready() const {
   return met ? is_due() : ready_.when->count(ready_.from, std::min(clock_->next, ready_until_));
 }
 
-channel_stats channel_base::stats() {
-  settle_valid();
-  const std::uint64_t valid = upstream_ == nullptr ? valid_cycles_ : upstream_->valid_cycles(output_);
+channel_stats channel_base::stats() const {
+  const std::uint64_t valid = upstream_ == nullptr ? valid_cycles_ + present_valid() : upstream_->valid_cycles(output_);
   const std::uint64_t ready = ready_cycles_ + present_ready();
   return {transfers_, ready - transfers_, valid - transfers_, clock_->next + transfers_ - valid - ready};
 }

@@ -59,13 +59,14 @@ class channel_base : public sc_core::sc_object, public virtual sc_core::sc_inter
   }
   /// Call before the pattern behind the present valid (ready) offer changes its mind, then offer again.
   void settle_valid() {
+    if (valid_.when == nullptr) return;
     count_valid();
-    if (valid_.from < clock_->next) valid_.from = clock_->next;
+    valid_.from = std::max(valid_.from, clock_->next);
   }
   void settle_ready() {
     if (ready_.when == nullptr) return;
     count_ready();
-    if (ready_.from < clock_->next) ready_.from = clock_->next;
+    ready_.from = std::max(ready_.from, clock_->next);
   }
   const offer& valid() const { return valid_; }
   const offer& ready() const { return ready_; }
@@ -79,7 +80,7 @@ class channel_base : public sc_core::sc_object, public virtual sc_core::sc_inter
   bool pass();
 
   /// Division of all cycles before the next edge.
-  channel_stats stats();
+  channel_stats stats() const;
 
   /// Levels in cycle c as the registers give them, without offers.
   bool valid_level(cycle c) const;
@@ -160,17 +161,20 @@ class channel_base : public sc_core::sc_object, public virtual sc_core::sc_inter
     if (o.from < clock_->next) o.from = never;
   }
   // Asserted cycles of the present offer, of those before the next edge.
-  [[gnu::always_inline]] void count_valid() {
-    if (valid_.from >= clock_->next) return;
-    if (downstream_ != nullptr) tell_junction();
-    valid_cycles_ += valid_.when == nullptr ? clock_->next - valid_.from : pattern_valid();
+  [[gnu::always_inline]] std::uint64_t present_valid() const {
+    if (valid_.from >= clock_->next) return 0;
+    return valid_.when == nullptr ? clock_->next - valid_.from : pattern_valid();
   }
-  [[gnu::always_inline]] void count_ready() { ready_cycles_ += present_ready(); }
   [[gnu::always_inline]] std::uint64_t present_ready() const {
     const cycle stop = std::min(clock_->next, ready_until_);
     if (ready_.from >= stop) return 0;
     return ready_.when == nullptr ? stop - ready_.from : pattern_ready();
   }
+  [[gnu::always_inline]] void count_valid() {
+    if (downstream_ != nullptr) tell_junction();
+    valid_cycles_ += present_valid();
+  }
+  [[gnu::always_inline]] void count_ready() { ready_cycles_ += present_ready(); }
   std::uint64_t pattern_valid() const;
   std::uint64_t pattern_ready() const;
   void remember_valid();

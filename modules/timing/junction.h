@@ -16,8 +16,8 @@ namespace rtusim {
 /// some cycle on", and so must the outputs' ready.
 class junction : public unit {
  public:
-  /// Cycles so far in which output `which` was valid. The input's are settled.
-  virtual std::uint64_t valid_cycles(unsigned which) = 0;
+  /// Cycles before the next edge in which output `which` was valid.
+  virtual std::uint64_t valid_cycles(unsigned which) const = 0;
   /// Whether the input, if valid in cycle c, is shown to output `which`.
   virtual bool points_at(unsigned which, cycle c) const = 0;
 
@@ -41,7 +41,7 @@ class junction : public unit {
 
   /// The consumer behind output `which` is ready from the next cycle on, or no longer: revise the input's ready.
   virtual void output_ready(unsigned which, bool ready) = 0;
-  /// The input was valid in the cycles [from, to), in which the registers did not change.
+  /// The input was valid in the cycles [from, to), in which the registers did not change. Told as an offer of the input ends.
   virtual void input_valid(cycle from, cycle to) = 0;
 
  private:

@@ -7,9 +7,9 @@
 
 #include "modules/timing/channel.h"
 #include "modules/timing/clock_domain.h"
-#include "modules/timing/lfsr.h"
 #include "modules/timing/unit.h"
 #include "modules/timing/waveform.h"
+#include "testbench/bench/lfsr.h"
 #include "testbench/bench/surroundings.h"
 
 namespace rtusim {

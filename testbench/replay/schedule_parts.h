@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include "modules/timing/lfsr.h"
 #include "modules/timing/offer.h"
+#include "testbench/bench/lfsr.h"
 #include "testbench/bench/surroundings.h"
 
 /// What a schedule without a clock is put together from.

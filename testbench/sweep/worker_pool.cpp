@@ -9,7 +9,6 @@
 
 #include <array>
 #include <cerrno>
-#include <climits>
 #include <cstdio>
 #include <cstring>
 #include <exception>
@@ -25,9 +24,8 @@
 namespace rtusim {
 namespace {
 
-// A report on a pipe: its length in two bytes, the outcome, the reason. It goes through a pipe in one piece.
+// A report on a pipe: its length in two bytes, the outcome, the reason.
 constexpr std::size_t length_bytes = 2, most_reason_bytes = 4000;
-static_assert(length_bytes + 1 + most_reason_bytes <= PIPE_BUF);
 
 worker_report report_of(const std::function<worker_report(std::size_t)>& work, std::size_t number) {
   try {
@@ -43,7 +41,11 @@ void send(int pipe, const worker_report& r) {
   const std::string reason = r.reason.substr(0, most_reason_bytes);
   const std::size_t length = 1 + reason.size();
   const std::string text = std::string{static_cast<char>(length % 256), static_cast<char>(length / 256), static_cast<char>(r.how)} + reason;
-  while (write(pipe, text.data(), text.size()) < 0 && errno == EINTR) continue;
+  for (std::size_t sent = 0; sent < text.size();) {
+    const ssize_t n = write(pipe, text.data() + sent, text.size() - sent);
+    if (n < 0 && errno != EINTR) return;
+    if (n > 0) sent += static_cast<std::size_t>(n);
+  }
 }
 
 /// The first whole report of what was said, which it is taken from.
@@ -109,7 +111,7 @@ std::optional<worker_pool::ended> worker_pool::next(std::chrono::milliseconds pa
 
 void worker_pool::hear(int pipe) {
   worker& w = running_.at(pipe);
-  std::array<char, PIPE_BUF> chunk{};
+  std::array<char, 4096> chunk{};
   const ssize_t n = read(pipe, chunk.data(), chunk.size());
   if (n < 0 && errno == EINTR) return;
   if (n > 0) w.said.append(chunk.data(), static_cast<std::size_t>(n));

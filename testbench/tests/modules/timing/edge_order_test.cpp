@@ -13,10 +13,10 @@
 #include "modules/config/error.h"
 #include "modules/timing/channel.h"
 #include "modules/timing/clock_domain.h"
-#include "modules/timing/lfsr.h"
 #include "modules/timing/link.h"
 #include "modules/timing/pipeline_unit.h"
 #include "modules/timing/waveform.h"
+#include "testbench/bench/lfsr.h"
 #include "testbench/bench/stream.h"
 #include "testbench/tests/in_child.h"
 

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "modules/timing/calendar.h"
-#include "modules/timing/lfsr.h"
 #include "modules/timing/rotating_select.h"
+#include "testbench/bench/lfsr.h"
 
 namespace rtusim {
 

@@ -3,8 +3,8 @@
 #include <functional>
 #include "testbench/tests/random.h"
 
-#include "modules/timing/lfsr.h"
 #include "modules/timing/rotating_select.h"
+#include "testbench/bench/lfsr.h"
 
 namespace rtusim {
 namespace {

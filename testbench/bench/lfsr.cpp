@@ -1,4 +1,4 @@
-#include "modules/timing/lfsr.h"
+#include "testbench/bench/lfsr.h"
 
 namespace rtusim {
 
