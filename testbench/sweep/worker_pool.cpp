@@ -37,15 +37,16 @@ worker_report report_of(const std::function<worker_report(std::size_t)>& work, s
   }
 }
 
-void send(int pipe, const worker_report& r) {
+bool send(int pipe, const worker_report& r) {
   const std::string reason = r.reason.substr(0, most_reason_bytes);
   const std::size_t length = 1 + reason.size();
   const std::string text = std::string{static_cast<char>(length % 256), static_cast<char>(length / 256), static_cast<char>(r.how)} + reason;
   for (std::size_t sent = 0; sent < text.size();) {
     const ssize_t n = write(pipe, text.data() + sent, text.size() - sent);
-    if (n < 0 && errno != EINTR) return;
+    if (n < 0 && errno != EINTR) return false;
     if (n > 0) sent += static_cast<std::size_t>(n);
   }
+  return true;
 }
 
 /// The first whole report of what was said, which it is taken from.
@@ -84,7 +85,8 @@ void worker_pool::start(std::vector<std::size_t> numbers, const std::function<wo
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     interrupts::leave_to_parent();
     if (getppid() != parent) _exit(1);
-    for (const std::size_t number : numbers) send(ends[1], report_of(work, number));
+    for (const std::size_t number : numbers)
+      if (!send(ends[1], report_of(work, number))) _exit(1);
     _exit(0);
   }
   close(ends[1]);
