@@ -1,5 +1,8 @@
 #include "modules/svo_core/svo_core.h"
 
+#include <algorithm>
+#include <utility>
+
 #include "modules/config/error.h"
 #include "modules/timing/clock_domain.h"
 #include "modules/timing/waveform.h"
@@ -82,27 +85,23 @@ void svo_core::start_machine() {
   }
   machine_.inherit(child_before_, depth_before_, bus_before_);
   machine_.accept(job_);
-  machine_edge_ = accepted_ + 1;
 }
 
 void svo_core::settle_registers() {
   const cycle target = next_edge();
-  if (accepted_ == never) {
-    machine_edge_ = target;
-  } else {
-    if (machine_edge_ <= accepted_) {
-      start_machine();
-    }
-    const cycle last_step = accepted_ + 1 + outcome_.cost;
-    for (; machine_edge_ < target && machine_edge_ < last_step; ++machine_edge_) machine_.step();
-    if (released_ < target && machine_edge_ <= released_) {
-      machine_.release();
-      machine_edge_ = released_ + 1;
-    }
-    if (machine_edge_ < target) machine_.step();  // in IDLE it clears the cost; in OUT nothing moves
-    machine_edge_ = target;
+  const cycle from = std::exchange(machine_edge_, target);
+  if (accepted_ == never || from == target) return;
+  cycle edge = from;
+  if (edge <= accepted_) {
+    start_machine();
+    edge = accepted_ + 1;
   }
-  shown_data_ = machine_.memory_data();
+  const cycle in_out = accepted_ + 1 + outcome_.cost;
+  for (const cycle end = std::min(target, in_out); edge < end; ++edge) machine_.step();
+  // In OUT nothing moves, and in IDLE nothing after the edge that clears the cost.
+  if (released_ >= target || edge > released_ + 1) return;
+  if (edge <= released_) machine_.release();
+  if (released_ + 1 < target) machine_.step();
 }
 
 bool svo_core::level(const channel_base& port) const {
@@ -152,7 +151,7 @@ void svo_core::trace(waveform& w) const {
   w.add(r.job_word, n + ".job_word");
   w.add(r.top.entry, n + ".entry_idx");
   w.add(r.address, n + ".mem_addr");
-  w.add(shown_data_, n + ".mem_data");
+  w.add_from<&svo_machine::memory_data>(machine_, n + ".mem_data", 32);
   w.add(r.top.child, n + ".cur_child_idx", 3);
   w.add(r.stack_size, n + ".stack_idx");
   for (unsigned i = 0; i < 3; ++i) {

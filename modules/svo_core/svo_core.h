@@ -96,7 +96,6 @@ class svo_core final : public unit, public memory_reader {
   std::uint8_t depth_before_ = 0;
   svo_result_registers bus_before_;
   cycle machine_edge_ = 0;  // the machine's registers stand just before this edge
-  std::uint32_t shown_data_ = 0;
 };
 
 }  // namespace rtusim
