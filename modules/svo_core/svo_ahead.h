@@ -10,8 +10,8 @@
 
 namespace rtusim {
 
-/// Walks a list of jobs in batches, ahead of the clock: what a ray comes to follows from its job alone. Whoever takes jobs takes them in the
-/// order of the list.
+/// Walks a list of jobs in batches, ahead of the clock: what a ray comes to follows from its job alone. Jobs are taken in the order of the
+/// list.
 class svo_ahead {
  public:
   /// The jobs, and the words that `octree` shows, must outlive this.

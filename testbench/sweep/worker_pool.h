@@ -25,8 +25,8 @@ struct worker_report {
   std::string reason;
 };
 
-/// Processes that do some pieces of work each, one after the other, so many at a time, copies of this one as it stands when they start. They
-/// end with this one, and ignore the signals that `interrupts` notes.
+/// Processes, so many at a time, that do some pieces of work each, one after the other: copies of this one as it stands when they start.
+/// They end with this one, and ignore the signals that `interrupts` notes.
 class worker_pool {
  public:
   struct ended {
