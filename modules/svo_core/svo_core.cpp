@@ -43,7 +43,10 @@ void svo_core::walk(const traversal_job& job) {
 
 void svo_core::accept(const traversal_job& job) {
   if (accepted_ != never) sequence_before_ = job_.sequence;
-  job_ = job;
+  if (ahead_ == nullptr)
+    job_ = job;
+  else
+    job_.sequence = job.sequence;  // the rest when somebody watches
   child_before_ = outcome_.child;
   depth_before_ = outcome_.depth;
   bus_before_ = bus_;

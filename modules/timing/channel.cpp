@@ -50,18 +50,18 @@ bool channel_base::pass() {
 void channel_base::book_transfer() {
   cycle first = std::max({clock_->next, valid_.from, ready_.from});
   if (first != never) {
-    if (valid_.when != nullptr || ready_.when != nullptr)
+    if (valid_.when != nullptr)
       first = first_meeting(first);
-    else if (first >= ready_until_)
-      first = never;
+    else if (ready_.when != nullptr)
+      first = ready_.when->next(first);
+    if (first >= ready_until_) first = never;
   }
   clock_->bookings.book(*this, first);
 }
 
 cycle channel_base::first_meeting(cycle from) const {
-  if (valid_.when == nullptr && ready_until_ == never) return ready_.when->next(from);
   const cycle horizon = clock_->next + clock_->watchdog;
-  for (cycle v = valid_.next(from); v <= horizon && v < ready_until_;) {
+  for (cycle v = valid_.next(from); v <= horizon;) {
     const cycle r = ready_.next(v);
     if (r == v) return v;
     if (r > horizon) break;

@@ -42,7 +42,7 @@ class channel_base : public sc_core::sc_object, public virtual sc_core::sc_inter
   // They and what they call run several times a ray, and GCC stops inlining them where many units meet in one source.
   /// Replaces the producer's (consumer's) offer from the next cycle on. It ends with the transfer: to go on, offer again.
   [[gnu::always_inline]] void offer_valid(offer o) {
-    if (through_ != nullptr) remember_valid();
+    if (through_ != nullptr && last_transfer_ != clock_->now) remember_valid();
     count_valid();
     valid_ = {std::max(o.from, clock_->next), o.when};
     if (ready_.from != never) solve();

@@ -112,7 +112,7 @@ void clock_domain::begin_cycle() {
 
 void clock_domain::run_edges() {
   for (unsigned n = 0;; ++n) {
-    if (tick_ && ++edges_to_tick_ % 100'000 == 0) tick_();
+    if (++edges_to_tick_ % 100'000 == 0 && tick_) tick_();
     edge(clock_.next);
     if (stopping_) {
       if (pace_ == pace::checked) count_checked();
@@ -121,7 +121,7 @@ void clock_domain::run_edges() {
     }
     // The next edge of interest: every one while stepping or recording, else the earliest that is booked.
     cycle target = clock_.next;
-    if (pace_ == pace::skipping && !recording(clock_.next)) {
+    if (pace_ == pace::skipping && !recording(target)) {
       target = std::min(clock_.bookings.earliest(), clock_.last_transfer + clock_.watchdog + 1);
       if (waveform_ != nullptr && clock_.next < record_from_) target = std::min(target, record_from_);
     }
