@@ -6,11 +6,14 @@
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
+#include <limits>
 #include <string>
 #include <vector>
 
 #include <catch2/catch.hpp>
 #include <glm/geometric.hpp>
+
+#include <fmt/format.h>
 
 #include "modules/config/error.h"
 #include "scenes/meshes/bezier_patches.h"
@@ -620,6 +623,80 @@ TEST_CASE("files beside a glTF are read from its folder and below", "[mesh]") {
   }
   scratch.file("model/parts/a.bin", buffer.substr(0, 167));
   CHECK_THROWS_WITH(read_mesh(file("parts/a.bin")), Contains("buffers[0]: 167 bytes; expected 168"));
+}
+
+TEST_CASE("bad meshes: what is rarer, format by format", "[mesh]") {
+  using Catch::Matchers::Contains;
+  using Catch::Matchers::StartsWith;
+  const test::scratch_folder scratch;
+  const auto says = [&](const std::string& name, const std::string& bytes, const std::string& found, const std::string& expected) {
+    const std::string message = refusal(scratch, name, bytes);
+    CHECK_THAT(message, StartsWith(name) && Contains(": " + found + "; expected " + expected));
+    CHECK(message.find('\n') == std::string::npos);
+  };
+  // The cube with one part of its JSON replaced.
+  const std::string cube = gltf_json("");
+  const auto changed = [](std::string json, const std::string& part, const std::string& other) {
+    const auto at = json.find(part);
+    REQUIRE(at != std::string::npos);
+    return json.replace(at, part.size(), other);
+  };
+  const auto with = [&](const std::string& part, const std::string& other) { return glb(changed(cube, part, other)); };
+  const std::string indices = R"({"bufferView":1,"componentType":5123,"count":36,"type":"SCALAR"})";
+  const std::string third = indices + R"(,{"componentType":5126,"count":)";  // accessors are 0 to 2
+  says("a.glb", with("[2,2,2]", "[2,2,1e999]"), "JSON with a number out of range", "a glTF");
+  says("a.glb", with("[2,2,2]", R"([2,2,"2"])"), R"("2")", "numbers");
+  says("a.glb", with(indices, R"({"normalized":1,)" + indices.substr(1)), "1", "true or false");
+  says("a.glb", with("5123", "5124"), "5124", "5120, 5121, 5122, 5123, 5125 or 5126");
+  says("a.glb", with(indices, R"({"componentType":5123,"count":2000000000,"type":"SCALAR"})"), "2000000000 elements without a bufferView",
+       "at most ");
+  const auto sparse = [&](const std::string& code, const std::string& count) {
+    return with(indices, R"({"sparse":{"count":)" + count + R"(,"indices":{"bufferView":1,"componentType":)" + code +
+                             R"(},"values":{"bufferView":1}},)" + indices.substr(1));
+  };
+  says("a.glb", sparse("5126", "2"), "5126", "5121, 5123 or 5125");
+  says("a.glb", sparse("5123", "6"), "element 0", "rising ones below 36");  // 0 2 3 0 ...: the fourth does not rise
+  says("a.glb", with(R"("scene":0)", R"("extensionsRequired":["EXT_none"],"scene":0)"), R"("EXT_none")",
+       "a glTF without such an extension");
+  says("a.glb", with(R"("mesh":0,"scale")", R"("mesh":0,"matrix":[1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1],"scale")"), "a matrix and its parts",
+       "one of these");
+  says("a.glb", with(R"("type":"VEC3")", R"("type":"SCALAR")"), "SCALAR of 5126", "VEC3 of binary32 (5126)");
+  // Weights are the mesh's.
+  const auto weighed = [&](const std::string& weights, const std::string& targets) {
+    return with(R"({"primitives":[{"attributes":{"POSITION":0})",
+                R"({"weights":)" + weights + R"(,"primitives":[{"targets":)" + targets + R"(,"attributes":{"POSITION":0})");
+  };
+  says("a.glb", weighed("[1,0]", R"([{"POSITION":0}])"), "2 weights for 1 morph targets", "one for each");
+  const std::string moved = changed(cube, R"({"primitives":[{"attributes":{"POSITION":0})",
+                                    R"({"weights":[1],"primitives":[{"targets":[{"POSITION":2}],"attributes":{"POSITION":0})");
+  says("a.glb", glb(changed(moved, indices, third + R"(7,"type":"VEC3"})")), "7 positions", "8");
+  says("a.glb", with(R"("indices":1)", R"("indices":0)"), "VEC3 of 5126", "SCALAR of 5121, 5123 or 5125");
+  std::string cut_chunk = glb(cube);
+  cut_chunk[12] = static_cast<char>(cut_chunk[12] ^ 0x40);
+  cut_chunk[13] = static_cast<char>(cut_chunk[13] | 0x70);
+  says("a.glb", cut_chunk, fmt::format("{} bytes for a chunk", cut_chunk.size() - 12), "a chunk inside of the file");
+
+  // A saw of many teeth, and a corner at infinity.
+  std::string saw;
+  constexpr int teeth = 20'000;
+  for (int i = 0; i < teeth; ++i) saw += fmt::format("v {} {} 0\n", i, i % 2 * 3 + 1);
+  saw += fmt::format("v {} 0 0\nv 0 0 0\nf", teeth);
+  for (int i = 1; i <= teeth + 2; ++i) saw += fmt::format(" {}", i);
+  says("a.obj", saw + "\n", fmt::format("face 0 has {} corners and is not convex", teeth + 2), "at most ");
+  std::string infinite = binary_stl();
+  const float infinity = std::numeric_limits<float>::infinity();
+  std::memcpy(&infinite[84 + 12], &infinity, sizeof infinity);
+  says("a.stl", infinite, "vertex 0 has the coordinate inf", "finite coordinates");
+  says("a.obj", "v 0 0 0\ncurv 0 1 1\n", "\"curv\"", "an OBJ of polygons, in one file");
+  says("a.obj", "v 0 0 0 1 1 1 1 1\n", "\"1\" after a vertex", "a weight or a colour, four numbers at most");
+
+  const std::string triangle = ply_header("ascii", "3", "1") + "0 0 0\n1 0 0\n0 1 0\n";
+  says("a.ply", triangle + "3 0 1 2 4\n", "\"4\" after an element \"face\"", "the end of the line");
+  says("a.ply", triangle + "three 0 1 2\n", "the length of a list \"three\"", "a whole number");
+  says("a.ply", triangle + "3 0 1 2\n3 0 1 2\n", "\"3\" after the last element", "as many elements as the header claims");
+  std::string twice = triangle + "3 0 1 2\n";
+  twice.insert(twice.find("property float y"), "property float x\n");
+  says("a.ply", twice, "elements \"vertex\" with x twice", "it once");
 }
 
 TEST_CASE("mesh: more triangles than can be held are refused before they are made") {
