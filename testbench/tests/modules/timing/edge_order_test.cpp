@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "modules/config/error.h"
+#include "modules/scheduler/scheduler.h"
 #include "modules/timing/channel.h"
 #include "modules/timing/clock_domain.h"
 #include "modules/timing/link.h"
@@ -19,6 +20,7 @@
 #include "testbench/bench/lfsr.h"
 #include "testbench/bench/stream.h"
 #include "testbench/tests/in_child.h"
+#include "testbench/tests/random.h"
 
 namespace rtusim {
 namespace {
@@ -80,7 +82,85 @@ struct recorder {
   void transferred(unsigned, cycle c, const word& number) { text += fmt::format("{}@{} ", number, c); }
 };
 
+/// Gives each number after 1 to 4 cycles, and takes the next in the cycle after that has gone.
+class echo final : public unit {
+ public:
+  rv_in<word> in{"in"};
+  rv_out<word> out{"out"};
+
+  explicit echo(const sc_core::sc_module_name& name) : unit(name) {}
+
+  void arrives(channel_base&) override {
+    number_ = in->data();
+    from_ = now() + 1 + number_ % 4;
+    out->offer_valid(offer::always_from(from_));
+  }
+  void leaves(channel_base&) override {
+    from_ = never;
+    in->offer_ready(offer::always_from(now() + 1));
+  }
+
+ private:
+  void reset() override {
+    out->drive(number_);
+    in->offer_ready(offer::always_from(0));
+  }
+  bool level(const channel_base& port) const override { return &port == in.operator->() ? from_ == never : from_ <= next_edge(); }
+  void trace(waveform&) const override {}
+
+  cycle from_ = never;
+  word number_ = 0;
+};
+
+/// Which of several channels transferred when.
+struct stopping_recorder {
+  clock_domain& clock;
+  std::size_t left;
+  std::string text;
+  void transferred(unsigned which, cycle c, const word& number) {
+    text += fmt::format("{}:{}@{} ", which, number, c);
+    if (--left == 0) clock.stop();
+  }
+};
+
 constexpr std::size_t taken = 200;
+
+/// source -> scheduler -> three echoes, each with a sink.
+std::string scheduled(unsigned policy, pace p, std::uint32_t shuffle) {
+  return in_child([&] {
+    constexpr unsigned echoes = 3;
+    clock_domain clock("clock_domain", 100);
+    std::vector<word> items(1000);
+    test::rng random(5);
+    for (word& item : items) item = static_cast<word>(random());
+    stream_source<word> source("source", {}, items);
+    scheduler_params params;
+    params.select = policy;
+    scheduler<word> middle("scheduler", params, echoes);
+    sc_core::sc_vector<echo> cores("echo", echoes);
+    sc_core::sc_vector<stream_sink<word>> sinks("sink", echoes, [](const char* n, std::size_t i) {
+      sink_params sink_p;
+      if (i == 1) sink_p.ready = sink_params::regime::lfsr;
+      return new stream_sink<word>(n, sink_p, never);
+    });
+    channel<word> job("job");
+    sc_core::sc_vector<channel<word>> jobs("core_job", echoes), results("core_result", echoes);
+    stopping_recorder seen{clock, taken, {}};
+    source.out(job);
+    middle.job_in(job);
+    for (unsigned i = 0; i < echoes; ++i) {
+      middle.core_out[i](jobs[i]);
+      cores[i].in(jobs[i]);
+      cores[i].out(results[i]);
+      sinks[i].in(results[i]);
+      jobs[i].observe(seen, i);
+    }
+    clock.set_pace(p);
+    clock.shuffle_units(shuffle);
+    clock.start();
+    return seen.text;
+  });
+}
 
 /// source -> moody -> pipeline, or not -> sink.
 std::string simulated(mood m, unsigned stages, pace p, std::uint32_t shuffle) {
@@ -173,6 +253,18 @@ TEST_CASE("edges: offers that are made and taken back as one is taken, in every 
           REQUIRE(simulated(m, stages, p, shuffle) == wanted);
         }
     }
+}
+
+TEST_CASE("edges: a job goes to a core that was ready before the edge, whatever leaves at it", "[timing]") {
+  for (unsigned policy = 0; policy < scheduler_policies::count; ++policy) {
+    const std::string plain = scheduled(policy, pace::checked, 0);
+    REQUIRE(plain.find("error") == std::string::npos);
+    for (const pace p : {pace::skipping, pace::stepped, pace::checked})
+      for (std::uint32_t shuffle = 0; shuffle < 6; ++shuffle) {
+        CAPTURE(policy, static_cast<int>(p), shuffle);
+        REQUIRE(scheduled(policy, p, shuffle) == plain);
+      }
+  }
 }
 
 TEST_CASE("link: ends of other types are refused", "[timing]") {
